@@ -6,7 +6,7 @@
 
 namespace tactbench::analysis {
 
-// `several`: where the plural is not the noun with an s ("branches").
+// `several`: the plural, if it is not the noun with an s ("branches").
 template <std::integral Number>
 std::string counted(Number number, const std::string& one, const std::string& several = {}) {
   const std::string& noun = number == Number{1} || several.empty() ? one : several;

@@ -23,7 +23,7 @@ constexpr const char* kScannerRole = "tactile scanner";
 }  // namespace
 
 TimePassed time_passed(const Sample& sample, double before_s) {
-  constexpr double kAccounted = 5.0;  // seconds that settling may take beside the command
+  constexpr double kAccounted = 5.0;  // seconds that settling may take in addition to the commanded time
   const double passed = sample.time_s - std::max(before_s, 0.0);
   const bool worked = passed > sample.held_s + kAccounted;
   return {worked ? passed - sample.held_s : 0.0,
@@ -45,7 +45,7 @@ double volts_per_count(const db::RunRecord& run) {
   }
   throw AnalysisError("TB-ANALYSIS-NO-CALIBRATION",
                       fmt::format("run {} stores no device of role \"{}\"", run.run, kScannerRole),
-                      "counts cannot be scaled without it: choose another run");
+                      "without it counts cannot be scaled: choose another run");
 }
 
 namespace {
@@ -53,7 +53,7 @@ namespace {
 // The frames of one repeat by ordinal; null where missing.
 using Slots = std::vector<const db::FrameRecord*>;
 
-// What the frames of a run tell of its taxels.
+// Statistics of the taxels from the frames of a run.
 struct Gathered {
   explicit Gathered(std::size_t taxels) : sum_of_squares(taxels, 0.0), at_limit(taxels, 0), disagreeing(taxels, 0) {}
   std::vector<double> sum_of_squares;      // counts^2 about each frame's mean, per taxel
@@ -68,14 +68,15 @@ struct Gathered {
     for (std::size_t taxel = 0; taxel < disagreeing.size(); ++taxel)
       if (db::disagree(frame.counts, scans_here, taxel)) ++disagreeing[taxel];
   }
-  // Its scans seldom disagree. What they often do is noise, or a loose contact.
+  // True if its scans rarely disagree; frequent disagreement is noise or a loose contact.
   [[nodiscard]] bool alone(std::size_t taxel) const {
     constexpr std::int64_t kFew = 3, kOneIn = 100;
     return disagreeing[taxel] <= std::max(kFew, seen / kOneIn);
   }
 };
 
-// What most scans of a frame agree on (db::consensus_count), beside the frames before and after it in its repeat.
+// The value on which most scans of a frame agree (db::consensus_count), given the previous and next frames of its
+// repeat.
 double consensus_count(const Slots& slots, std::size_t i, std::size_t taxel) {
   const auto mean = [&](std::size_t at) {
     const std::vector<std::uint16_t>& counts = slots[at]->counts;
@@ -247,10 +248,10 @@ Dataset load_dataset(const StoredRun& stored) {
                         fmt::format("run {} has no complete repeat ({})", run,
                                     missing.empty() ? std::string("it has no sequence") : missing),
                         "resume the run or choose a completed one: tactbench runs list");
-  constexpr int kAgain = 2;  // one frame at the limit is no load that reaches it
+  constexpr int kAgain = 2;  // a single frame at the limit does not mean that the load reaches it
   for (std::size_t taxel = 0; taxel < taxels; ++taxel) dataset.at_limit[taxel] = all.at_limit[taxel] >= kAgain;
   if (all.degrees > 0) {
-    // Variance of one scan over the K that are averaged; never below the converter's own rounding.
+    // Variance of one scan / K scans averaged; at least the converter's rounding error.
     const double mean_scans = static_cast<double>(all.scans) / static_cast<double>(all.frames);
     for (std::size_t taxel = 0; taxel < taxels; ++taxel) {
       const double variance = std::max(all.sum_of_squares[taxel] / static_cast<double>(all.degrees), 1.0 / 12.0);

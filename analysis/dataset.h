@@ -9,14 +9,14 @@
 #include "analysis/error.h"
 #include "db/run_store.h"
 
-// All rows that the store holds of one run, read at once: input of a Dataset, its presses, its event log and the rig's
+// All stored rows of one run, read together: the input for the Dataset, the presses, the event log and the rig's
 // figures.
 
 namespace tactbench::analysis {
 
 struct StoredRun {
   db::RunRecord record;
-  std::vector<db::FrameRecord> frames;  // in the order written, those of void branches among them
+  std::vector<db::FrameRecord> frames;  // in the order written, including those of void branches
   std::vector<db::BranchRecord> branches;
   std::vector<db::EventRecord> events;
   std::vector<db::CheckRecord> checks;
@@ -27,17 +27,19 @@ StoredRun read_run(const db::RunStore& store, const db::RunRecord& record);
 
 struct Sample {
   double setpoint_psi = 0.0;
-  double reference_psi = 0.0;  // measured, at frame time
+  double reference_psi = 0.0;  // measured at frame time
   double time_s = 0.0;         // process time since the run's start
   double held_s = 0.0;         // since the set-point was commanded
 };
 
-// Time between two successive samples: time that no command accounts for was conditioning over the whole range, which
-// ended at rest at the lowest pressure.
+// Time between two successive samples. Time that no command explains was conditioning over the whole range, ending at
+// rest at the lowest pressure.
 struct TimePassed {
-  double worked_s = 0.0, step_s = 0.0;  // conditioning; since the set-point was commanded, or since the sample before
+  double worked_s = 0.0,
+         step_s =
+             0.0;  // worked_s: conditioning; step_s: since the set-point was commanded, or since the previous sample
 };
-// `before_s`: the time of the sample before, negative at the first.
+// `before_s`: the time of the previous sample, negative for the first.
 TimePassed time_passed(const Sample& sample, double before_s);
 
 // One pass through a sequence's turning points.
@@ -54,22 +56,23 @@ struct SequenceData {
 struct Dataset {
   std::int64_t run = 0;
   std::string origin, sensor_serial, scanner_serial;
-  int rows = 0, columns = 0, scans = 1;  // scans: averaged into a sample, in the first frame
+  int rows = 0, columns = 0, scans = 1;  // scans: number averaged per sample, from the first frame
   std::vector<SequenceData> sequences;
   std::vector<double> noise_v;  // per taxel, standard deviation of one K-scan mean, from the K scans (0 if K = 1)
-  std::vector<bool> at_limit;   // per taxel: stood at the converter's limit in more than one frame
-  int outlying = 0;             // samples left out of their frames' means: the other scans contradict (db/scan_means.h)
-  std::vector<double> temperatures_c;  // of the surroundings: the run's readings, none where the bench has no sensor
+  std::vector<bool> at_limit;   // per taxel: at the converter's limit in more than one frame
+  int outlying =
+      0;  // number of samples left out of the means because the other scans contradict them (db/scan_means.h)
+  std::vector<double> temperatures_c;  // ambient temperatures of the run; empty if the bench has no thermometer
   [[nodiscard]] int taxels() const { return rows * columns; }
 };
 
-// `volts_per_count` comes from the run's scanner calibration. Throws AnalysisError TB-ANALYSIS-EMPTY when no repeat is
-// complete (says how many frames are missing); incomplete repeats are left out.
+// `volts_per_count` comes from the run's scanner calibration. Throws AnalysisError TB-ANALYSIS-EMPTY if no repeat is
+// complete (with the number of missing frames); incomplete repeats are left out.
 Dataset load_dataset(const StoredRun& run);
-// For commands that read nothing else of the run; others use Runs (report/gather.h).
+// For commands that need no other data of the run; others use Runs (report/gather.h).
 Dataset load_dataset(const db::RunStore& store, std::int64_t run);
 
-// Dataset::temperatures_c alone, also for a run without a complete repeat. Throws AnalysisError TB-ANALYSIS-FRAME.
+// Only Dataset::temperatures_c, also for a run without a complete repeat. Throws AnalysisError TB-ANALYSIS-FRAME.
 std::vector<double> temperatures_of(const StoredRun& run);
 
 }  // namespace tactbench::analysis

@@ -1,4 +1,4 @@
-// The error type of analysis/: a stable identifier, the fault and its place, and how to correct it.
+// The error type of analysis/: a stable identifier, the fault, its place, and the remedy.
 #pragma once
 
 #include <cstddef>
@@ -8,13 +8,13 @@
 
 namespace tactbench::analysis {
 
-// Escapes NUL characters from file contents, at which what() would end.
+// Escapes NUL characters from file contents, because what() would end there.
 inline std::string without_nul(std::string message) {
   for (std::size_t at = 0; (at = message.find('\0', at)) != std::string::npos;) message.replace(at, 1, "\\x00");
   return message;
 }
 
-// A name for a message; it may be empty.
+// A name for use in a message; it may be empty.
 inline std::string or_not_stated(const std::string& name) { return name.empty() ? "(not stated)" : name; }
 
 class AnalysisError : public std::runtime_error {

@@ -1,4 +1,4 @@
-// Members of a struct as entries of a JSON object, each under its own name, so that a name is written once:
+// Makes members of a struct entries of a JSON object under their own names, so that each name is written once:
 // {JSON_FIELDS(time, p10_s, p50_s), {"runs", runs.size()}}.
 #pragma once
 

@@ -43,7 +43,7 @@ const Branch& branch_of(const std::vector<Branch>& branches, int step) {
 
 void check_alike(const SequenceData& sequence, const RepeatOptions& options, int last) {
   if (options.first_repeat < 0 || last >= static_cast<int>(sequence.repeats.size()) || options.first_repeat > last)
-    throw AnalysisError("TB-ANALYSIS-REPEATS", "sequence " + sequence.name + " does not have the repeats asked for",
+    throw AnalysisError("TB-ANALYSIS-REPEATS", "sequence " + sequence.name + " does not have the requested repeats",
                         "name repeats that are complete");
   const std::vector<Sample>& first = sequence.repeats[static_cast<std::size_t>(options.first_repeat)].steps;
   for (int r = options.first_repeat; r <= last; ++r) {
@@ -164,7 +164,7 @@ FullSweeps full_sweeps(std::span<const TaxelTable> sequences, double low, double
   return full;
 }
 
-// Between the extremes of the inputs; of measured ones between percentiles where there are none.
+// Full sweeps between the extremes of the inputs; for measured inputs between percentiles if there are none.
 FullSweeps full_sweeps(std::span<const TaxelTable> sequences, double turn) {
   std::vector<double> inputs;
   for (const TaxelTable& sequence : sequences)
@@ -187,7 +187,7 @@ FullSweeps full_sweeps(std::span<const TaxelTable> sequences, double turn) {
 
 // Sequences that end where they began, as 0, +, -, 0 does: the last branch and the first are two parts of one sweep.
 std::vector<TaxelTable> joined_ends(std::span<const TaxelTable> sequences, std::size_t taxels, double turn) {
-  constexpr double kOpen = 0.05;  // of what a taxel's values span: a wider gap is no sweep
+  constexpr double kOpen = 0.05;  // share of the span of a taxel's values: with a wider gap it is not a sweep
   std::vector<TaxelTable> joined;
   for (const TaxelTable& own : sequences) {
     const std::size_t last = own.pressure_psi.size() - 1;

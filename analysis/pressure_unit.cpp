@@ -94,7 +94,7 @@ constexpr PressureUnit kPsi = PressureUnit::kPsi, kKilopascal = PressureUnit::kK
 std::string both_units(double psi) { return with_kilopascals(kPsi.short_text(psi), kKilopascal.short_text(psi)); }
 
 std::string both_units(double psi, int decimals) {
-  if (!std::isfinite(psi)) return fmt::format("{} psi", psi);  // as an instrument gave it
+  if (!std::isfinite(psi)) return fmt::format("{} psi", psi);  // unchanged, as the instrument reported it
   return with_kilopascals(kPsi.text(psi, decimals), kKilopascal.text(psi, decimals));
 }
 

@@ -34,7 +34,7 @@ std::string read_whole_file(const std::string& path, const FileBounds& bounds, c
     text.append(block.data(), static_cast<std::size_t>(file.gcount()));
     if (text.size() <= bounds.max_bytes) continue;
     throw AnalysisError(id, fmt::format("{} is longer than {} bytes", path, bounds.max_bytes),
-                        "check that it is the right file; a longer one is not read");
+                        "check that it is the right file; longer files are not read");
   }
   if (file.bad())
     throw AnalysisError(id, fmt::format("{}: reading failed after {} bytes", path, text.size()),

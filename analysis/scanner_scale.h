@@ -1,4 +1,4 @@
-// The value of one count of a run's scanner.
+// Volts per count of a run's scanner.
 #pragma once
 
 #include "db/record.h"

@@ -13,7 +13,7 @@
 
 namespace tactbench::analysis {
 
-// Of no more than kMaxLineBytes bytes and one; its end is not part of it.
+// Reads a line of at most kMaxLineBytes + 1 bytes, without its line end.
 bool TableReader::next_line() {
   line_.clear();
   std::streambuf& bytes = *stream_->rdbuf();
@@ -22,7 +22,7 @@ bool TableReader::next_line() {
     for (auto byte = bytes.sbumpc(); byte != kEnd; byte = bytes.sbumpc()) {
       const char c = std::streambuf::traits_type::to_char_type(byte);
       const bool second = skip_line_feed_ && c == '\n';
-      skip_line_feed_ = c == '\r';  // the next row of a pipe may be long in coming
+      skip_line_feed_ = c == '\r';  // the next row of a pipe may arrive much later
       if (second) continue;
       if (c == '\n' || c == '\r') return true;
       line_ += c;
@@ -35,7 +35,7 @@ bool TableReader::next_line() {
   return !line_.empty();
 }
 
-// The next of the stream that may hold something.
+// The next line of the stream that may contain data.
 bool TableReader::new_line() {
   while (next_line()) {
     ++counted_;
@@ -44,7 +44,7 @@ bool TableReader::new_line() {
     if (line_.size() > kMaxLineBytes) refuse(counted_, fmt::format("a line of more than {} bytes", kMaxLineBytes));
     if (const auto nul = line_.find('\0'); nul != std::string::npos)
       refuse(counted_,
-             fmt::format("byte {} is a NUL: this is no text in UTF-8 (UTF-16 has one at each letter)", nul + 1));
+             fmt::format("byte {} is a NUL: the file is not UTF-8 text (UTF-16 has a NUL with each letter)", nul + 1));
     const std::string_view text = trimmed(line_);
     if (text.empty() || text.front() == '#' || text.front() == '%') continue;
     if (text.front() == ';' && !names_.empty() && separator_ != ';') continue;
@@ -92,8 +92,8 @@ bool TableReader::needed(std::size_t column) const {
          std::ranges::find(outputs_, column) != outputs_.end();
 }
 
-// As many fields as there are columns. One at the end may come and go as long as it is never a number: where numbers
-// are missing, others may have taken their place.
+// There must be as many fields as columns. One field at the end is optional if it is never a number: if a number were
+// missing, others could be in its place.
 void TableReader::check_width() {
   const std::size_t fields = fields_.all.size(), columns = names_.size();
   bool fits = fields == columns;
@@ -180,7 +180,7 @@ bool TableReader::next(Row& row) {
   return true;
 }
 
-// The next that can be read and is not void.
+// The next row that can be read and is not void.
 bool TableReader::next_row(Row& row) {
   while (read_line()) {
     try {
@@ -214,7 +214,7 @@ std::vector<std::string> TableReader::assumed() const {
   if (passed_ > 0 || header_.empty())
     lines.push_back(header_.empty()
                         ? fmt::format("the columns have no names; samples begin in line {}", first_row_)
-                        : fmt::format("line {} names the columns; what is above it is passed over", head_number_));
+                        : fmt::format("line {} names the columns; the lines above it are skipped", head_number_));
   if (separator_ != ',') lines.push_back(fmt::format("columns are separated by {}", separator_name(separator_)));
   if (numbers_.comma())
     lines.push_back(

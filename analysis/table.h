@@ -1,4 +1,4 @@
-// A text table of samples: commas, semicolons, tabs or blanks between the columns, a line of names or none.
+// A text table of samples: columns separated by commas, semicolons, tabs or blanks, with or without a line of names.
 #pragma once
 
 #include <array>
@@ -16,15 +16,15 @@
 
 namespace tactbench::analysis {
 
-// How a table is laid out, as far as it is told. A column is given by name or by number from 1; "output" may be
-// several, one a taxel: 3-18, volts_*, or s0+s1. "input" and "output" are needed where they are asked for; "sequence",
+// Layout of a table, as far as the user states it. A column is given by name or by number from 1; "output" may be
+// several columns, one per taxel: 3-18, volts_*, or s0+s1. "input" and "output" are required if requested; "sequence",
 // "taxel" and "time" may be absent.
 struct TableLayout {
   std::map<std::string, std::string> columns = {
       {"sequence", "sequence"}, {"input", "input"}, {"output", "output"}, {"taxel", "taxel"}, {"time", "time_s"}};
   bool no_header = false;      // no line of names; columns are numbers
-  std::size_t skip_lines = 0;  // at the beginning, whatever they hold
-  bool skip_bad_rows = false;  // a row that would be refused, or whose sample is wild, is left out
+  std::size_t skip_lines = 0;  // lines skipped at the beginning, whatever they contain
+  bool skip_bad_rows = false;  // an invalid row, or one with an implausible sample, is left out
 };
 // "input=COL,output=COL,...", a COL with a comma in double quotes, each role once. Throws AnalysisError TB-TABLE-MAP.
 TableLayout table_layout(const std::string& map);
@@ -34,15 +34,17 @@ struct TableSeries {
   std::string sequence;
   int taxel = 0;
   std::vector<double> input, output;
-  std::vector<double> time_s{};        // empty: not told of all samples
-  std::vector<std::uint32_t> lines{};  // of the table; empty: of none
+  std::vector<double> time_s{};        // empty: not known for all samples
+  std::vector<std::uint32_t> lines{};  // line numbers in the table; empty: none
 };
 
-// Samples whose input or output is implausible between its neighbours, which agree. At most one per row of the table.
+// Samples with an input or output that is implausible between its neighbours, which agree. At most one per row of the
+// table.
 struct ImplausibleSample {
-  std::size_t place = 0;  // in the series
+  std::size_t place = 0;  // index in the series
   bool input = false;
-  double value = 0.0, spans = 0.0;  // spans: of the middle nine tenths of the values, to its neighbours
+  double value = 0.0,
+         spans = 0.0;  // spans: distance to its neighbours, in units of the span of the middle 90 % of the values
 };
 std::vector<ImplausibleSample> implausible_samples(const TableSeries& series);
 // "line 214: the output 83886.1 lies 2.9e+04 spans from its neighbours".
@@ -50,7 +52,7 @@ std::string implausible_text(const TableSeries& series, const ImplausibleSample&
 
 enum class TableNeeds { kInput, kOutput, kBoth };
 
-// Rows that were left out, and why the first of them were: "line 7: ...".
+// Rows that were left out, and the reasons for the first ones: "line 7: ...".
 struct SkippedRows {
   static constexpr std::size_t kNamed = 20;
   std::size_t count = 0;
@@ -59,18 +61,17 @@ struct SkippedRows {
 
 // Reads a table line by line, in these steps:
 // 1. Lines end in LF, CR or both. A byte order mark, the first `skip_lines` lines, empty lines and lines that begin
-// with
-//    '#' or '%' (below the names with ';', too, unless semicolons separate) are passed over.
-// 2. A line sep=X gives the separator, and LabVIEW's headers are passed over.
-// 3. The line of names is the first that holds all columns which are wanted by name; where all are numbers, the line
-//    above the first that has numbers there. What is before it is passed over.
-// 4. A line of units may follow: one that holds no number, but short words in the columns needed.
-// 5. Rows. All numbers have decimal points, or all have decimal commas. One field at the end may be there or not where
-//    it never holds a number: a comment, or nothing behind a last separator.
-// What `runs export` writes needs no map: reference_psi, volts_* and recipe.
+// with '#' or '%' (below the names also with ';', unless semicolons separate) are skipped.
+// 2. A line sep=X gives the separator, and LabVIEW's headers are skipped.
+// 3. The line of names is the first one with all columns that were requested by name; if all were requested by number,
+// the line above the first with numbers in these columns. Lines before it are skipped.
+// 4. A line of units may follow: a line without numbers that has short words in the requested columns.
+// 5. Rows. All numbers have decimal points, or all have decimal commas. One field at the end is optional if it never
+// contains a number: a comment, or an empty field after a last separator. Tables from `runs export` need no map:
+// reference_psi, volts_* and recipe are recognised.
 class TableReader {
  public:
-  // Takes steps 1 to 4. `file` is for messages. Throws AnalysisError TB-TABLE-EMPTY, TB-TABLE-COLUMN.
+  // Executes steps 1 to 4. `file` is for messages. Throws AnalysisError TB-TABLE-EMPTY, TB-TABLE-COLUMN.
   TableReader(std::istream& stream, std::string file, TableLayout layout, TableNeeds needs);
 
   struct Row {
@@ -78,46 +79,46 @@ class TableReader {
     std::string text;  // the whole line
     std::string sequence;
     int taxel = 0;
-    double input = 0.0;           // 0 where not asked for
+    double input = 0.0;           // 0 if not requested
     std::vector<double> outputs;  // one per column
-    // Where outputs alone are asked for: why some are nan, or all, since the row is too short or tells no taxel; its
-    // text is filled up, and `outputs` is empty.
+    // If only outputs are requested: why some outputs are NaN, or all of them because the row is too short or has no
+    // taxel; then `text` is padded and `outputs` is empty.
     std::string bad;
-    std::optional<double> step;   // of a column called so, where it is a number
-    std::optional<double> time;   // likewise of the times, or a clock's in seconds
-    std::optional<double> frame;  // of an export
+    std::optional<double> step;   // of a column named step, if it is a number
+    std::optional<double> time;   // of the time column, in seconds; clock times are converted
+    std::optional<double> frame;  // of a table from `runs export`
   };
-  // False at the end. Of an export a frame: its first scan's row with the mean outputs of all; void rows are left out.
-  // Where outputs alone are asked for, a row is handed on whose outputs cannot be read (Row::bad).
-  // Throws AnalysisError TB-TABLE-ROW: ragged, blank, not a number, not finite, a quote that is not
-  // closed, a NUL, a line beyond kMaxLineBytes; with file, line and column. TB-TABLE-SKIPPED: more rows are left out
-  // than read.
+  // Reads the next row; false at the end. From an exported table one frame: the row of its first scan with the mean
+  // outputs of all scans; void rows are left out. If only outputs are requested, a row with unreadable outputs is
+  // returned with Row::bad. Throws AnalysisError TB-TABLE-ROW: ragged, blank, not a number, not finite, a quote that is
+  // not closed, a NUL, a line beyond kMaxLineBytes; with file, line and column. TB-TABLE-SKIPPED: more rows were left
+  // out than read.
   bool next(Row& row);
-  [[nodiscard]] const std::string& header() const { return header_; }          // as it stands; empty: none
+  [[nodiscard]] const std::string& header() const { return header_; }          // the header line unchanged; empty: none
   [[nodiscard]] const std::string& units_line() const { return units_line_; }  // likewise
-  // Of the line of units, without brackets; empty: not told.
+  // Unit from the line of units, without brackets; empty: not stated.
   [[nodiscard]] const std::string& input_unit() const { return units_[0]; }
   [[nodiscard]] const std::string& output_unit() const { return units_[1]; }
   [[nodiscard]] char separator() const { return separator_; }
-  [[nodiscard]] bool decimal_comma() const { return numbers_.comma(); }  // as far as it was read
+  [[nodiscard]] bool decimal_comma() const { return numbers_.comma(); }  // whether a decimal comma was read so far
   [[nodiscard]] bool has_taxel() const { return taxel_ != kAbsent; }
   [[nodiscard]] bool has_seconds() const { return time_ != kAbsent && in_seconds_; }
   [[nodiscard]] std::size_t outputs() const { return outputs_.size(); }  // columns
   [[nodiscard]] const SkippedRows& skipped() const { return skipped_; }
   void check_skipped() const;  // throws TB-TABLE-SKIPPED
-  // Assumptions made in what was read so far, one line each: separators, decimal commas, names, units.
+  // Assumptions made so far, one line each: separators, decimal commas, names, units.
   [[nodiscard]] std::vector<std::string> assumed() const;
 
  private:
   static constexpr std::size_t kAbsent = static_cast<std::size_t>(-1);
   static constexpr std::size_t kMaxLineBytes = 1'000'000;  // bytes
-  static constexpr std::size_t kMaxSkippedAhead = 10'000;  // rows left out before the first that are read
-  static constexpr std::size_t kMostLooked = 1000;         // lines, for the one of names
+  static constexpr std::size_t kMaxSkippedAhead = 10'000;  // rows left out before the first valid rows
+  static constexpr std::size_t kMostLooked = 1000;         // lines searched for the line of names
   struct Line {
     std::size_t number = 0;
     std::string text;
   };
-  // Where the names are is decided in table_head.cpp.
+  // Implemented in table_head.cpp: finds the line of names.
   void find_names(const std::vector<std::string>& wanted);
   void find_first_row(const std::vector<std::size_t>& columns);
   void name_by(std::size_t line);
@@ -131,7 +132,7 @@ class TableReader {
   [[nodiscard]] std::size_t place_of(std::string_view name) const;
   [[nodiscard]] std::vector<std::size_t> columns(const char* role) const;
   [[nodiscard]] std::size_t column(const char* role) const;
-  [[nodiscard]] bool told(const char* role) const;
+  [[nodiscard]] bool stated(const char* role) const;
   void read_units();
   [[nodiscard]] bool is_units(const std::vector<std::string>& words, const std::vector<std::size_t>& columns) const;
   [[noreturn]] void refuse_names(const std::string& what, const std::string& remedy) const;
@@ -154,17 +155,17 @@ class TableReader {
   std::size_t counted_ = 0;                      // lines of the stream so far
   std::size_t number_ = 0, units_number_ = 0;    // of line_ and units_line_, from 1
   std::size_t head_number_ = 0, first_row_ = 0;  // of the line of names, or of the first row without one
-  std::size_t passed_ = 0;                       // lines over before these, comments apart
-  std::size_t rows_ = 0, voids_ = 0;             // read so far, and void ones of them
-  std::size_t scans_ = 1;                        // of a frame, at most
+  std::size_t passed_ = 0;                       // lines skipped before these, without comments
+  std::size_t rows_ = 0, voids_ = 0;             // rows read so far, and the void ones among them
+  std::size_t scans_ = 1;                        // greatest number of scans of a frame
   TableNeeds needs_;
-  std::optional<Row> next_;  // the next frame's first
-  std::deque<Line> ahead_;   // read from the stream, not yet handed on
+  std::optional<Row> next_;  // first row of the next frame
+  std::deque<Line> ahead_;   // lines read from the stream but not yet returned
   char separator_ = 0;       // 0: not known yet
   bool skip_line_feed_ = false, labview_ = false, in_seconds_ = false;
-  std::size_t short_line_ = 0;      // the first without its last field
+  std::size_t short_line_ = 0;      // the first line without its last field
   bool number_at_end_ = false;      // the last field held a number
-  std::vector<std::string> names_;  // numbers where there are none
+  std::vector<std::string> names_;  // numbers if there are no names
   std::array<std::string, 2> units_;
   Fields fields_;
   NumberText numbers_;
@@ -174,11 +175,11 @@ class TableReader {
               frame_ = kAbsent, void_ = kAbsent;
 };
 
-// Times of one history as its rows bring them.
+// Checks the times of one history, row by row.
 class TimeOrder {
  public:
-  // Why `time` cannot follow; empty when it can: then it goes on where a counter of 32 or 16 bits, or a day, begins
-  // again.
+  // Why `time` cannot follow the previous one; empty if it can: then `time` is continued across the wrap of a 32 or 16
+  // bit counter, or of a day.
   std::string see(double& time);
   [[nodiscard]] std::size_t wraps() const { return wraps_; }
 
@@ -193,14 +194,14 @@ std::string table_text(const std::string& path);
 
 struct Table {
   std::vector<TableSeries> series;      // in the order of their first rows
-  std::string input_unit, output_unit;  // of its line of units; empty: not told
+  std::string input_unit, output_unit;  // from its line of units; empty: not stated
   std::vector<std::string> assumed;
   SkippedRows skipped;
 };
 // A whole table of at most 20 million samples; `file` is for messages. In a series the numbers of a column `step` rise,
-// or begin again at the first (a repeat), and times do not fall: rows that stand twice or out of order are refused, for
-// a history in another order is another history. Throws AnalysisError as above, TB-TABLE-STEP, TB-TABLE-TIME, and
-// TB-TABLE-EMPTY when no row follows the names.
+// or start again at the first one (a repeat), and times do not decrease: repeated rows or rows out of order are
+// refused, because in another order they are another history. Throws AnalysisError as above, TB-TABLE-STEP,
+// TB-TABLE-TIME, and TB-TABLE-EMPTY when no row follows the names.
 Table read_table(std::istream& stream, const std::string& file, const TableLayout& layout = {});
 Table read_table(const std::string& path, const TableLayout& layout = {});
 

@@ -1,4 +1,4 @@
-// What stands above the rows of a table: which line names the columns, which one holds units, and which column is what.
+// The lines above the rows of a table: finds the line of names, the line of units, and the role of each column.
 #include "analysis/table_head.h"
 
 #include <fmt/format.h>
@@ -20,10 +20,10 @@ namespace tactbench::analysis {
 namespace {
 
 constexpr const char* kFormat =
-    "name the columns in the first line, e.g. sequence,step,input,output, or say which they are: "
-    "--map input=COL,output=COL (of one column a taxel: output=2-17), by number where no line names them (--no-header)";
+    "name the columns in the first line, e.g. sequence,step,input,output, or assign them: --map input=COL,output=COL "
+    "(for one column per taxel: output=2-17), by number if no line names them (--no-header)";
 
-// At each `mark` outside double quotes.
+// Splits at each `mark` outside double quotes.
 std::vector<std::string_view> parts_of(std::string_view text, char mark = '+') {
   std::vector<std::string_view> parts;
   bool quoted = false;
@@ -37,7 +37,7 @@ std::vector<std::string_view> parts_of(std::string_view text, char mark = '+') {
   return parts;
 }
 
-// Of a word of a line of units: without brackets; empty where it is no text in UTF-8.
+// The unit in a word of a line of units, without brackets; empty if it is not UTF-8 text.
 std::string unit_of(std::string_view word) {
   if (word.size() > 1 && ((word.front() == '[' && word.back() == ']') || (word.front() == '(' && word.back() == ')')))
     word = trimmed(word.substr(1, word.size() - 2));
@@ -49,7 +49,7 @@ std::string unit_of(std::string_view word) {
   return std::string(word);
 }
 
-// "3" or "3-5", counted from 1 -> places from 0; none of other words.
+// "3" or "3-5", counted from 1 -> places from 0; empty for other words.
 std::vector<std::size_t> places_of(std::string_view text) {
   std::size_t first = 0;
   const char* const end = text.data() + text.size();
@@ -73,7 +73,7 @@ bool matches(std::string_view name, std::string_view pattern) {
          name.starts_with(pattern.substr(0, star)) && name.ends_with(pattern.substr(star + 1));
 }
 
-// The unit of a column of times, as of "Time (s)" or "time_ms": empty where it has none; nothing where it holds no
+// The unit of a column of times, as in "Time (s)" or "time_ms": empty if it has none; none if it is not a column of
 // times.
 std::optional<std::string> time_unit(std::string_view name) {
   std::string word;
@@ -102,11 +102,11 @@ std::string listed(const std::vector<std::string>& names) {
 
 TableLayout table_layout(const std::string& map) {
   TableLayout layout;
-  std::vector<std::string> told;
+  std::vector<std::string> stated;
   const auto refuse = [](const std::string& what) {
     throw AnalysisError("TB-TABLE-MAP", "--map: " + what,
                         "write role=COLUMN with the roles input, output, sequence, taxel, time, each once; COLUMN is a "
-                        "number from 1 or a name, in double quotes where it holds a comma; several outputs, one a "
+                        "number from 1 or a name, in double quotes if it contains a comma; several outputs, one per "
                         "taxel, are output=3-18, output=s* or output=s0+s1");
   };
   for (const std::string_view pair : parts_of(map, ',')) {
@@ -116,8 +116,8 @@ TableLayout table_layout(const std::string& map) {
     if (name.size() > 1 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
     if (name.empty() || !layout.columns.contains(role))
       refuse(fmt::format("\"{}\" does not name role and column", pair));
-    if (std::ranges::find(told, role) != told.end()) refuse(fmt::format("{} is named twice", role));
-    told.push_back(role);
+    if (std::ranges::find(stated, role) != stated.end()) refuse(fmt::format("{} is named twice", role));
+    stated.push_back(role);
     layout.columns[role] = name;
   }
   return layout;
@@ -129,7 +129,7 @@ TableReader::TableReader(std::istream& stream, std::string file, TableLayout lay
   std::vector<std::size_t> numbered;
   for (const auto& [role, name] : layout_.columns) {
     if (role == (needs == TableNeeds::kInput ? "output" : needs == TableNeeds::kOutput ? "input" : "")) continue;
-    if (role != "input" && role != "output" && !told(role.c_str())) continue;
+    if (role != "input" && role != "output" && !stated(role.c_str())) continue;
     bool named = false;
     for (const std::string_view part : parts_of(name)) {
       const std::vector<std::size_t> places = places_of(part);
@@ -147,9 +147,9 @@ TableReader::TableReader(std::istream& stream, std::string file, TableLayout lay
   read_units();
 }
 
-bool TableReader::told(const char* role) const { return layout_.columns.at(role) != TableLayout().columns.at(role); }
+bool TableReader::stated(const char* role) const { return layout_.columns.at(role) != TableLayout().columns.at(role); }
 
-// One more line into ahead_, where it may be one of names or samples.
+// Reads one more line into ahead_; false if it cannot be a line of names or samples.
 bool TableReader::look() {
   constexpr std::string_view kEnd = "***End_of_Header***";
   if (!new_line()) return false;
@@ -174,15 +174,15 @@ bool TableReader::look() {
   return true;
 }
 
-// Empty where the line cannot be split.
+// Empty if the line cannot be split.
 std::vector<std::string> TableReader::split(const std::string& line, char separator) const {
   Fields fields;
   return fields.split(line, separator).empty() ? std::vector<std::string>(fields.all.begin(), fields.all.end())
                                                : std::vector<std::string>();
 }
 
-// By which there are numbers in `columns` (none named: in all). Blanks come before commas, which may be those of
-// numbers.
+// The separator that gives numbers in `columns` (empty: in all columns). Blanks are tried before commas, which may be
+// decimal commas.
 std::optional<char> TableReader::separator_of_row(const std::string& line,
                                                   const std::vector<std::size_t>& columns) const {
   for (const char separator : {separator_, '\t', ';', ' ', ','}) {
@@ -202,22 +202,22 @@ void TableReader::refuse_names(const std::string& what, const std::string& remed
   throw AnalysisError("TB-TABLE-COLUMN", fmt::format("{}:{}: {}", file_, head_number_, what), remedy);
 }
 
-// The first line that holds them all, before the first of numbers alone.
+// The first line that contains all names, before the first line of numbers only.
 void TableReader::find_names(const std::vector<std::string>& wanted) {
   if (layout_.no_header) {
     head_number_ = 1;
-    refuse_names(fmt::format("--no-header, and column \"{}\" is asked for by name", wanted.front()), kFormat);
+    refuse_names(fmt::format("--no-header is given, but column \"{}\" is requested by name", wanted.front()), kFormat);
   }
   do {
     const std::string& line = ahead_.back().text;
     const char likely = separator_ != 0 ? separator_ : separator_of(line);
-    // A name of several words is one name where it is wanted so.
+    // A name of several words is one name if it was requested like that.
     for (const char separator : {likely == ' ' ? ',' : likely, likely}) {
       const std::vector<std::string> names = split(line, separator);
       const auto is_here = [&](const std::string& name) { return std::ranges::find(names, name) != names.end(); };
       const auto holds = [&](const std::string& name) {
-        if (is_here(name) || (name == "input" && !told("input") && is_here("reference_psi")) ||
-            (name == "output" && !told("output") && is_here("volts_r0_c0")))
+        if (is_here(name) || (name == "input" && !stated("input") && is_here("reference_psi")) ||
+            (name == "output" && !stated("output") && is_here("volts_r0_c0")))
           return true;
         return std::ranges::all_of(parts_of(name), [&](std::string_view part) {
           return !places_of(part).empty() ||
@@ -230,7 +230,7 @@ void TableReader::find_names(const std::vector<std::string>& wanted) {
     }
     if (separator_of_row(line, {})) break;
   } while (ahead_.size() < kMostLooked && look());
-  // Nothing holds them: what stands above the first numbers is shown.
+  // No line has them: the error shows the line above the first numbers.
   const std::size_t shown = ahead_.size() > 1 && separator_of_row(ahead_.back().text, {}) ? ahead_.size() - 2 : 0;
   const std::string& line = ahead_[shown].text;
   head_number_ = ahead_[shown].number;
@@ -248,7 +248,7 @@ void TableReader::find_names(const std::vector<std::string>& wanted) {
                kFormat + here);
 }
 
-// The first line with numbers in `columns`; names are what stands above it in as many fields.
+// The first line with numbers in `columns`; the names are the line above it with as many fields.
 void TableReader::find_first_row(const std::vector<std::size_t>& columns) {
   std::optional<char> separator;
   do {
@@ -265,7 +265,7 @@ void TableReader::find_first_row(const std::vector<std::size_t>& columns) {
     return std::ranges::any_of(columns, [&](std::size_t c) { return c < fields.size() && is_number(fields[c]); });
   };
   const auto fields_at = [&](std::size_t line) { return split(ahead_[line].text, separator_); };
-  // A line with a number in one column and none in another is a row that cannot be read, and none of names.
+  // A line with a number in one column and none in another is an unreadable row, not a line of names.
   while (row > 0 && is_alike(fields_at(row - 1)) && any_number(fields_at(row - 1))) --row;
   if (layout_.no_header) return number_from(0, width);
   if (row == 0 || !is_alike(fields_at(row - 1))) return number_from(row, width);
@@ -295,18 +295,18 @@ void TableReader::number_from(std::size_t row, std::size_t columns) {
   };
   if (!layout_.no_header && (counts_from(0) || counts_from(1)))
     refuse_names(fmt::format("{} may be names of columns, or samples", listed(first)),
-                 fmt::format("say which: --skip-lines {} passes over that line, --no-header reads it", first_row_));
+                 fmt::format("choose: --skip-lines {} skips that line, --no-header reads it as samples", first_row_));
   passed_ += row;
   ahead_.erase(ahead_.begin(), ahead_.begin() + static_cast<std::ptrdiff_t>(row));
 }
 
-// Of the first column of that name.
+// Index of the first column of that name.
 std::size_t TableReader::place_of(std::string_view name) const {
   const auto found = std::ranges::find(names_, name);
   return found == names_.end() ? kAbsent : static_cast<std::size_t>(found - names_.begin());
 }
 
-// What `runs export` writes, where nothing else is asked for.
+// The columns of `runs export`, if no others are requested.
 void TableReader::take_export() {
   const auto are_here = [&](const auto&... name) { return ((place_of(name) != kAbsent) && ...); };
   const bool frames = are_here("frame", "scan", "void", "reference_psi");
@@ -314,12 +314,12 @@ void TableReader::take_export() {
   if (frames) {
     frame_ = place_of("frame");
     void_ = place_of("void");
-    if (!are_here("input") && !told("input")) layout_.columns["input"] = "reference_psi";
-    if (!are_here("output") && !told("output")) layout_.columns["output"] = "volts_*";
+    if (!are_here("input") && !stated("input")) layout_.columns["input"] = "reference_psi";
+    if (!are_here("output") && !stated("output")) layout_.columns["output"] = "volts_*";
     if (layout_.columns["input"].ends_with("_psi")) units_[0] = "psi";
     if (layout_.columns["output"].starts_with("volts_")) units_[1] = "V";
   }
-  if ((frames || series) && !told("sequence")) layout_.columns["sequence"] = frames ? "recipe" : "name";
+  if ((frames || series) && !stated("sequence")) layout_.columns["sequence"] = frames ? "recipe" : "name";
 }
 
 void TableReader::set_columns(TableNeeds needs) {
@@ -330,21 +330,21 @@ void TableReader::set_columns(TableNeeds needs) {
   taxel_ = column("taxel");
   time_ = column("time");
   step_ = place_of("step");
-  if (time_ == kAbsent && !told("time")) {
+  if (time_ == kAbsent && !stated("time")) {
     const auto found = std::ranges::find_if(names_, [](const auto& name) { return time_unit(name).has_value(); });
     if (found != names_.end()) time_ = place_of(*found);
   }
-  in_seconds_ = told("time") || (time_ != kAbsent && time_unit(names_[time_]) == "s");
+  in_seconds_ = stated("time") || (time_ != kAbsent && time_unit(names_[time_]) == "s");
   std::vector<std::size_t> used = outputs_;
   if (input_ != kAbsent) used.push_back(input_);
-  if (!told("time") && std::ranges::find(used, time_) != used.end()) time_ = kAbsent;
+  if (!stated("time") && std::ranges::find(used, time_) != used.end()) time_ = kAbsent;
   for (const std::size_t more : {sequence_, taxel_})
     if (more != kAbsent) used.push_back(more);
   std::ranges::sort(used);
   if (const auto twice = std::ranges::adjacent_find(used); twice != used.end())
     refuse_names(fmt::format("column {} (\"{}\") is given two roles", *twice + 1, names_[*twice]), kFormat);
   if (taxel_ != kAbsent && outputs_.size() > 1)
-    refuse_names("a column of taxels, and several outputs, one a taxel", "name one output, or none as taxel");
+    refuse_names("both a column of taxels and several outputs, one per taxel", "name one output, or none as taxel");
 }
 
 std::size_t TableReader::column(const char* role) const {
@@ -353,7 +353,8 @@ std::size_t TableReader::column(const char* role) const {
   return found.empty() ? kAbsent : found.front();
 }
 
-// By name, before by number. None of an optional role that is not told, or told to be none.
+// Columns of a role, by name first, then by number. Empty for an optional role that is not assigned, or assigned to
+// none.
 std::vector<std::size_t> TableReader::columns(const char* role) const {
   const std::string& wanted = layout_.columns.at(role);
   std::vector<std::size_t> found;
@@ -365,8 +366,7 @@ std::vector<std::size_t> TableReader::columns(const char* role) const {
   };
   const auto add = [&](std::string_view name) {
     const std::size_t named = header_.empty() ? 0 : add_named([&](const std::string& own) { return own == name; });
-    if (named > 1)
-      refuse_names(fmt::format("{} columns are named \"{}\"", named, name), "name the one that is meant by its number");
+    if (named > 1) refuse_names(fmt::format("{} columns are named \"{}\"", named, name), "select one by its number");
     return named == 1;
   };
   if (add(wanted)) return found;
@@ -376,7 +376,8 @@ std::vector<std::size_t> TableReader::columns(const char* role) const {
     if (places.empty() || places.back() >= names_.size()) {
       places.clear();
       if (add_named([&](const std::string& own) { return matches(own, part); }) > 0) continue;
-      if (std::string_view(role) != "input" && std::string_view(role) != "output" && (!told(role) || wanted == "none"))
+      if (std::string_view(role) != "input" && std::string_view(role) != "output" &&
+          (!stated(role) || wanted == "none"))
         return {};
       refuse_names(fmt::format("no column \"{}\" for the {}; the line {} {}", part, role,
                                header_.empty() ? "has" : "names", listed(names_)),
@@ -387,7 +388,7 @@ std::vector<std::size_t> TableReader::columns(const char* role) const {
   return found;
 }
 
-// Short words, and no number, in the columns needed.
+// True for short words, and no number, in the requested columns.
 bool TableReader::is_units(const std::vector<std::string>& words, const std::vector<std::size_t>& columns) const {
   constexpr std::size_t kLongestUnit = 24;  // bytes
   if (std::ranges::any_of(words, is_number)) return false;
@@ -413,7 +414,7 @@ void TableReader::read_units() {
 
 namespace {
 
-// Where a field that begins with a quote ends: the place of its closing quote; none when the line ends before.
+// Position of the closing quote of a field that begins with a quote; none if the line ends before it.
 std::size_t closing_quote(std::string_view text, std::size_t open) {
   for (std::size_t at = text.find('"', open + 1); at != std::string_view::npos; at = text.find('"', at + 2))
     if (at + 1 >= text.size() || text[at + 1] != '"') return at;

@@ -1,4 +1,4 @@
-// A whole table: its rows dealt to the histories that they belong to.
+// A whole table: distributes its rows to the histories to which they belong.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,9 +21,9 @@ namespace {
 
 constexpr std::size_t kLargestTable = 1'000'000'000;  // bytes
 constexpr std::size_t kMostSamples = 20'000'000;
-constexpr std::size_t kCountedRows = 4096;  // between two looks at how far the file is read
+constexpr std::size_t kCountedRows = 4096;  // rows between two updates of the progress
 
-// Bytes that can still be read; 0: not known, as of a pipe.
+// Bytes that can still be read; 0: not known, as for a pipe.
 std::size_t bytes_left(std::istream& stream) {
   const auto here = stream.tellg();
   stream.seekg(0, std::ios::end);
@@ -33,10 +33,11 @@ std::size_t bytes_left(std::istream& stream) {
   return here < 0 || end < here ? 0 : static_cast<std::size_t>(end - here);
 }
 
-// Numbers of a column `step` as the rows of one series bring them.
+// Checks the numbers of a column `step`, row by row, for one series.
 class StepOrder {
  public:
-  // Why `step` cannot follow; empty when it can. They rise; a fall to where they began is the next repeat.
+  // Why `step` cannot follow the previous one; empty if it can. Steps rise; a fall to the first one starts the next
+  // repeat.
   std::string see(double step) {
     const double before = last_.value_or(step - 1.0);
     if (!last_) first_ = step;
@@ -51,13 +52,13 @@ class StepOrder {
   std::optional<double> last_;
 };
 
-// What the rows of one series are held against.
+// Order checks of the rows of one series.
 struct RowOrder {
   StepOrder step;
   TimeOrder time;
 };
 
-// The middle nine tenths of some values.
+// The middle 90 % of some values.
 struct Middle {
   double low = 0.0, high = 0.0;
   explicit Middle(std::vector<double> values) {
@@ -70,8 +71,8 @@ struct Middle {
   [[nodiscard]] double span() const { return high - low; }
 };
 
-// Up to three samples beyond the middle and beyond what lies before and after them by more than kWild spans, where the
-// other value, of which `others` is the middle, goes nowhere: else both may be a short press.
+// Adds up to three samples that are more than kWild spans beyond the middle and beyond their neighbours, while the
+// other value (with middle `others`) does not change: otherwise both may be a short press.
 void add_wild(const std::vector<double>& values, const std::vector<double>& other, bool input,
               std::vector<ImplausibleSample>& wild) {
   constexpr double kWild = 3.0;
@@ -140,14 +141,14 @@ std::string implausible_text(const TableSeries& series, const ImplausibleSample&
   const std::string place = series.lines.empty()
                                 ? fmt::format("sample {} of sequence \"{}\"", wild.place + 1, series.sequence)
                                 : fmt::format("line {}", series.lines[wild.place]);
-  return fmt::format("{}: the {} {:.10g} lies {:.6g} spans from its neighbours", place, wild.input ? "input" : "output",
+  return fmt::format("{}: the {} {:.10g} is {:.6g} spans from its neighbours", place, wild.input ? "input" : "output",
                      wild.value, std::round(wild.spans));
 }
 
 std::string TimeOrder::see(double& time) {
   // 2^32 ticks, of a second, millisecond or microsecond; 2^16; midnight.
   constexpr std::array kWraps = {4294967296.0, 4294967.296, 4294.967296, 65536.0, 86400.0};
-  constexpr double kSteps = 10.0;  // a wrap goes on as before, by so many of the longest steps at most
+  constexpr double kSteps = 10.0;  // after a wrap the time continues, by at most so many of the longest steps
   const double read = time;
   time += offset_;
   if (last_ && time < *last_) {
@@ -169,7 +170,7 @@ std::string TimeOrder::see(double& time) {
 
 std::string table_text(const std::string& path) {
   return read_whole_file(path, {.max_bytes = kLargestTable, .or_pipe = true}, "TB-TABLE-OPEN",
-                         "check its name and rights");
+                         "check its name and permissions");
 }
 
 Table read_table(std::istream& stream, const std::string& file, const TableLayout& layout) {
@@ -196,7 +197,7 @@ Table read_table(std::istream& stream, const std::string& file, const TableLayou
     }
     if (++rows * outputs > kMostSamples)
       throw AnalysisError("TB-TABLE-ROW", fmt::format("{}: more than {} samples", file, kMostSamples),
-                          "take the sequences that are to be fitted, or every other row");
+                          "use only the sequences that are to be fitted, or every second row");
     if (series.empty() || series[last].taxel != row.taxel || series[last].sequence != row.sequence) {
       const auto [known, fresh] = places.try_emplace({row.sequence, row.taxel}, series.size());
       for (std::size_t k = 0; fresh && k < outputs; ++k)
@@ -207,11 +208,11 @@ Table read_table(std::istream& stream, const std::string& file, const TableLayou
     RowOrder& order = orders[last];
     if (const std::string wrong = row.step ? order.step.see(*row.step) : std::string(); !wrong.empty())
       refuse("TB-TABLE-STEP", wrong,
-             "rows must be in the order in which they were measured, each once; give the column another "
-             "name if it does not count the rows of a sequence");
+             "rows must be in the order in which they were measured, each once; rename the column if it does not count "
+             "the rows of a sequence");
     if (const std::string wrong = row.time ? order.time.see(*row.time) : std::string(); !wrong.empty())
       refuse("TB-TABLE-TIME", wrong,
-             "remove rows that stand twice and put the others in the order in which they were measured; "
+             "remove repeated rows and put the others in the order in which they were measured; "
              "name recordings that follow each other in a column sequence; --map time=none if the column "
              "holds no times");
     for (std::size_t k = 0; k < outputs; ++k) {
@@ -231,11 +232,10 @@ Table read_table(std::istream& stream, const std::string& file, const TableLayou
   table.input_unit = reader.input_unit();
   table.output_unit = reader.output_unit();
   table.assumed = reader.assumed();
-  if (outputs > 1)
-    table.assumed.push_back(fmt::format("{} columns of outputs are taxels 0 to {}", outputs, outputs - 1));
+  if (outputs > 1) table.assumed.push_back(fmt::format("{} output columns are taxels 0 to {}", outputs, outputs - 1));
   if (wraps > 0)
     table.assumed.push_back(
-        fmt::format("the times wrap {}, as a counter of 2^32 or 2^16 ticks or a clock at midnight does: undone",
+        fmt::format("the times wrap {}, as a counter of 2^32 or 2^16 ticks or a clock at midnight does: unwrapped",
                     counted(wraps, "time")));
   table.skipped = reader.skipped();
   if (layout.skip_bad_rows) leave_out_wild(file, outputs, table);

@@ -7,9 +7,9 @@
 
 namespace tactbench::analysis {
 
-// Of a text free of control characters: none for combining marks, two for wide letters.
+// For a text without control characters: 0 columns for combining marks, 2 for wide letters.
 std::size_t display_width(std::string_view text);
-// The text where it fits; else its beginning with ... (U+2026) at the end.
+// The text if it fits; else its beginning with ... (U+2026) at the end.
 std::string cut_to(std::string_view text, std::size_t columns);
 
 }  // namespace tactbench::analysis

@@ -10,12 +10,12 @@ namespace tactbench::analysis {
 // the lowest index that failed, after all threads have ended.
 void for_each_index(std::size_t count, int threads, const std::function<void(std::size_t)>& work);
 
-// Counts how far the current work is, for progress display: work is counted where it is split into many equal pieces
-// (workers.h, rows of a table). One count per program; counting never blocks.
+// Counts the progress of the current work, for display: work that is split into many equal pieces (workers.h, rows of a
+// table). One count per program; counting never blocks.
 
 struct WorkNow {
-  std::size_t works = 0;            // begun since the program started
-  std::size_t done = 0, count = 0;  // pieces of the one at hand; count 0: none is
+  std::size_t works = 0;            // works begun since the program started
+  std::size_t done = 0, count = 0;  // pieces of the current work; count 0: none
 };
 WorkNow work_now();  // from any thread
 

@@ -1,11 +1,11 @@
 // SHA-256 over the canonical content of a run: a header, then one link per frame, then the closing part.
 // Canonical content is everything in a run except UUID, wall-clock times and time zone, host, tags, notes, and the keys
-// that a file assigns (run, branch, frame and event). Program version, commit and build belong to it.
+// that a file assigns (run, branch, frame and event). Program version, commit and build are part of it.
 //   chain(0) = H(header: origin, operator, purpose, serials, bench, sensor and recipe texts, overrides, program, seeds,
 //                devices)
 //   chain(i) = H(chain(i - 1), the i-th frame with the place and attempt of its branch, its counts)
 //   content  = H(chain(n), n, events, branches with their voids, checks, series, outcome, reason, safe state)
-// What only some runs have (flags, trace, wrench, checks, series) is included where it is there, after its own keyword.
+// Optional data (flags, trace, wrench, checks, series) are included if present, each after its keyword.
 #pragma once
 
 #include <array>
@@ -42,7 +42,7 @@ class HashChain {
   HashChain(const HashChain&) = delete;
   HashChain& operator=(const HashChain&) = delete;
 
-  // A link is assembled in memory and hashed at once; the memory is reused for the next one.
+  // A link is assembled in memory and hashed in one call; the memory is reused for the next link.
   [[nodiscard]] Digest header(const RunRecord& run);
   [[nodiscard]] Digest frame(const Digest& before, const BranchRecord& branch, const FrameRecord& frame);
   [[nodiscard]] Digest close(const Digest& before, std::int64_t frames, const RunEnd& run_end);
@@ -81,8 +81,8 @@ class HashChain {
 // Hash of a run's measured frames, independent of the program, commit and build that took them.
 
 // SHA-256 chained over the run's frames, each with the place of its branch, as in hash_chain.h but without header and
-// closing part: equal for two runs that measured the same, whatever program, commit or build carried them out. In hex
-// digits. Of a run whose frames were removed, the hash that was kept. StoreError as RunStore::for_each_frame().
+// closing part: equal for two runs with the same measured frames, whatever program, commit or build carried them out.
+// In hex digits. For a run with removed frames, the stored hash. StoreError as RunStore::for_each_frame().
 std::string frames_hash(const RunStore& store, std::int64_t run);
 
 }  // namespace tactbench::db

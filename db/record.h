@@ -50,7 +50,7 @@ struct DeviceRecord {
 struct SequenceRecord {
   int sequence = 0;  // 0-based within the run
   std::string name;
-  std::string recipe_toml;  // the file's text
+  std::string recipe_toml;  // text of the recipe file
   std::string recipe_sha256;
   int repeats = 0;
   int frames_per_repeat = 0;
@@ -63,7 +63,7 @@ struct RunRecord {
   std::string origin;  // simulated | hardware | imported
   std::string state;   // bench/run/control/run_status.h
   Outcome outcome = Outcome::kIncomplete;
-  std::string reason;  // of the outcome; starts with the error identifier
+  std::string reason;  // reason of the outcome; starts with the error identifier
   SafeState safe_state = SafeState::kUnknown;
   std::string operator_name, purpose, sensor_serial, scanner_serial;
   std::string bench_id, bench_toml, bench_sha256, sensor_toml, sensor_sha256;
@@ -74,7 +74,7 @@ struct RunRecord {
   std::string started_utc, ended_utc, seen_utc;
   std::optional<double> rest_s;  // between the sensor's last load and this run, by the wall clock
   std::string content_sha256;    // end of the hash chain over the canonical content; empty until the run ends
-  // People's remarks on the run.
+  // Users' remarks on the run.
   std::vector<std::string> tags;               // sorted
   std::string notes;                           // lines
   std::string void_reason, void_by, void_utc;  // empty: the run counts
@@ -99,7 +99,7 @@ struct BranchRecord {
   int sequence = 0;
   int repeat = 0;
   int ordinal = 0;  // within the repeat, from 0
-  int attempt = 0;  // 0 first
+  int attempt = 0;  // 0: first attempt
   bool is_void = false;
   std::string void_reason;
   double from_psi = 0.0;
@@ -140,7 +140,7 @@ struct FrameRecord {
   int rows = 0, columns = 0, scans = 0;
   std::vector<std::uint16_t> counts;  // scans x rows x columns, row-major, scan slowest; stored little-endian
   std::string flags;                  // keywords separated by spaces: why the frame is not comparable; empty: it is
-  std::vector<TracePoint> trace;      // since the previous frame
+  std::vector<TracePoint> trace;      // polls since the previous frame
   std::optional<WrenchRecord> wrench;
   TACTBENCH_ROW(row, kColumns, branch, ordinal, setpoint_psi, feedback_psi, reference_psi, setpoint_counts,
                 feedback_counts, reference_counts, time_ns, since_command_ns, in_band_ns, device_time_us, status,
@@ -150,7 +150,7 @@ struct FrameRecord {
 inline bool has_consistent_shape(const FrameRecord& frame) {
   if (frame.rows <= 0 || frame.columns <= 0 || frame.scans <= 0) return false;
   const auto size = [](int count) { return static_cast<std::size_t>(count); };
-  const std::size_t counts = frame.counts.size();  // divided, since a product might not fit
+  const std::size_t counts = frame.counts.size();  // divides because a product might overflow
   if (counts % size(frame.rows) != 0 || counts / size(frame.rows) % size(frame.columns) != 0) return false;
   return counts / size(frame.rows) / size(frame.columns) == size(frame.scans);
 }
@@ -201,16 +201,16 @@ struct EventRecord {
   TACTBENCH_ROW(row, kColumns, time_ns, kind, id, detail);
 };
 
-// A fit of one run: the models of all taxels of a sensor, or of their mean. The document holds all of it; model, stands
-// and fitted are copied from it.
+// A fit of one run: the models of all taxels of a sensor, or of their mean. The document is complete; model, stands and
+// fitted are copied from it.
 struct FitRecord {
   std::int64_t fit = 0;
   std::int64_t run = 0;
-  std::string model;     // with its options: "elam", "elam, free run"
-  bool stands = false;   // for its run, where no fit is named
-  int fitted = 0;        // taxels
+  std::string model;     // model and its options: "elam", "elam, free run"
+  bool stands = false;   // used for its run if no fit is named
+  int fitted = 0;        // number of fitted taxels
   std::string document;  // JSON (analysis/identify/stored/model_document.h)
-  std::string made_by;   // build and class of processor, for who recomputes it; empty: not known
+  std::string made_by;   // build and class of processor, for recomputation; empty: not known
   std::string program_version;
   std::string created_utc;
   TACTBENCH_ROW(row, kColumns, stands, fitted, model, document, made_by, program_version, created_utc);
@@ -223,13 +223,13 @@ struct VerdictRecord {
   std::string scope_kind = "array";  // array | level | span
   double value = 0.0, limit = 0.0;
   std::string unit = "psi";     // psi | FS | taxels
-  std::string rule = "simple";  // as applied
+  std::string rule = "simple";  // decision rule applied
   std::string verdict;          // pass | conditional pass | conditional fail | fail | inconclusive
   std::string limits_toml, limits_sha256;
-  std::int64_t model_run = 0;  // run that the fit's models were made from; 0: without a stored fit; not written
-  double low_psi = 0.0, high_psi = 0.0;                        // of the scope; of a level equal, of the array 0
+  std::int64_t model_run = 0;  // run from which the fit's models were made; 0: no stored fit; computed when reading
+  double low_psi = 0.0, high_psi = 0.0;                        // range of the scope; equal for a level, 0 for the array
   std::string direction = "both";                              // both | up | down
-  double share = 1.0;                                          // of the taxels, that the figure is to hold for
+  double share = 1.0;                                          // share of the taxels for which the figure must hold
   double expanded = std::numeric_limits<double>::quiet_NaN();  // U of the value; NaN: not known
   TACTBENCH_ROW_AS(row, kColumns,
                    "criterion, scope_kind, direction, unit, rule, verdict, limits_toml, limits_sha256, low_psi, "
@@ -238,18 +238,18 @@ struct VerdictRecord {
                    share, value, expanded, limit);
 };
 
-// A figure of a subject, followed over time; from a run's analysis.
+// A figure of a subject, tracked over time; from a run's analysis.
 struct FigureRecord {
   std::int64_t run = 0;
-  std::string subject;  // what the figure is of: "nightly/paper", "sensor", "rig"
-  std::string name;     // with the unit in it
+  std::string subject;  // "nightly/paper", "sensor", "rig"
+  std::string name;     // includes the unit
   double value = 0.0;
-  // Of the run; not written.
+  // Data of the run; computed when reading.
   std::string origin;
   std::int64_t seed = 0, sensor_seed = 0;
 };
 
-// Runs that someone accepted as normal: later ones are compared with their spread.
+// Runs accepted as normal by a person: later runs are compared with their spread.
 struct BaselineRecord {
   std::int64_t baseline = 0;  // assigned by the store
   std::string subject, reason, accepted_by, accepted_utc;
@@ -257,14 +257,14 @@ struct BaselineRecord {
   TACTBENCH_ROW(row, kColumns, subject, reason, accepted_by, accepted_utc);
 };
 
-// A report that someone signed for. content_sha256: of the report's data.
+// A signed report. content_sha256: hash of the report's data.
 struct ReportRecord {
   std::int64_t run = 0;
   std::string number, content_sha256, approved_by, approved_utc;
-  std::string replaces;  // number of the previously approved one; empty: none
-  std::string reason;    // what changed and why; empty: replaces none
-  // The runs that it rests on: its own first, those that its models and verdicts are from, those that it was given. A
-  // copy of the store gives runs new numbers; their content stays.
+  std::string replaces;  // number of the report that it replaces; empty: none
+  std::string reason;    // what changed and why; empty if it replaces none
+  // The runs on which the report is based: its own run first, then those of its models and verdicts, then the further
+  // runs named for it. A copy of the store gives runs new numbers; their content is unchanged.
   struct Evidence {
     std::int64_t run = 0;
     std::string content_sha256;
@@ -273,7 +273,7 @@ struct ReportRecord {
   TACTBENCH_ROW(row, kColumns, number, content_sha256, approved_by, approved_utc, replaces);
 };
 
-// A night, or one part of several of it (shard K of N), with what each of its scenarios gave.
+// A night, or one of several parts of it (shard K of N), with the result of each scenario.
 struct NightResultRecord {
   int position = 0;   // in the whole suite with its seeds, from 0
   std::string label;  // of the scenario
@@ -293,11 +293,11 @@ struct NightRecord {
                 program);
 };
 
-// What is left of a run's frames after they were removed by a rule.
+// Record of a run's frames after they were removed by a retention rule.
 struct PrunedRecord {
   std::int64_t run = 0, frames = 0;
-  std::int64_t bytes = 0;                          // of counts and traces
-  std::array<std::uint8_t, 32> header{}, chain{};  // first link of the hash chain, and the one of the last frame
+  std::int64_t bytes = 0;                          // removed bytes of counts and traces
+  std::array<std::uint8_t, 32> header{}, chain{};  // first link of the hash chain, and the link of the last frame
   std::string frames_sha256;                       // hash_chain.h
   std::string rule, pruned_utc;
   TACTBENCH_ROW(row, kColumns, run, frames, bytes, header, chain, frames_sha256, rule, pruned_utc);

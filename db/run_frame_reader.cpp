@@ -25,7 +25,7 @@ StoredFrame frame_of(const sqlite::Statement& row, std::int64_t above, const std
   if (!has_consistent_shape(shape)) {
     throw StoreError("TB-STORE-SQL",
                      fmt::format("store {}: frame {} does not hold scans x rows x columns counts", path, seen.position),
-                     "the file was changed by another hand: take your last snapshot");
+                     "another program changed the file: restore your last snapshot");
   }
   seen.position -= above;
   seen.rows = shape.rows;
@@ -68,7 +68,7 @@ RunFrameReader::~RunFrameReader() = default;
 void RunFrameReader::frames_after(std::int64_t position, int most, const std::function<void(const StoredFrame&)>& see) {
   const std::int64_t above = frames_above(run_);
   sqlite::Statement& rows = queries_->after;
-  const ResetAtEnd reset{rows};  // or the log of who writes could not be put back into the file
+  const ResetAtEnd reset{rows};  // otherwise the writer's log could not be moved into the file
   rows.bind(above + std::max<std::int64_t>(position, 0), frames_below(run_), most);
   while (rows.step()) see(frame_of(rows, above, queries_->connection.path()));
 }

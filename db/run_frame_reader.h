@@ -20,7 +20,7 @@ struct StoredFrame {
   int rows = 0, columns = 0, scans = 0;
   std::vector<std::uint16_t> counts;  // scans x rows x columns, row-major, scan slowest
   std::string flags;
-  bool is_void = false;  // its branch was done again, or is to be
+  bool is_void = false;  // its branch was repeated, or will be
   std::optional<WrenchRecord> wrench;
 };
 
@@ -35,11 +35,11 @@ class RunFrameReader {
   RunFrameReader& operator=(RunFrameReader&&) noexcept;
   ~RunFrameReader();
   [[nodiscard]] std::int64_t run() const { return run_; }
-  // The frames after `position` (0: from the first), oldest first, at most `most`; one is in memory at a time. Does not
-  // wait for the writer. Throws StoreError, also for a frame whose counts do not fit its shape.
+  // The frames after `position` (0: from the first), oldest first, at most `most`; only one is in memory at a time.
+  // Does not wait for the writer. Throws StoreError, also for a frame whose counts do not fit its shape.
   void frames_after(std::int64_t position, int most, const std::function<void(const StoredFrame&)>& see);
   std::optional<StoredFrame> newest();
-  // Position of the frame before the newest `most`; 0: there are no more than these.
+  // Position of the frame before the newest `most`; 0: there are no older ones.
   std::int64_t before_newest(int most);
 
  private:

@@ -80,7 +80,7 @@ RunStore RunStore::open_read_only(const std::string& path) {
     if (database->connection.integer("PRAGMA user_version") < kSchemaVersion) {
       throw StoreError("TB-STORE-OPEN",
                        fmt::format("store {} has an older schema than this program's {}", path, kSchemaVersion),
-                       "bring it up to date: tactbench db migrate");
+                       "migrate it: tactbench db migrate");
     }
     return RunStore(std::move(database));
   };
@@ -111,7 +111,7 @@ void RunStore::add_sensor(const SensorRecord& sensor) {
                                              sensor.serial, known->scanner_serial, sensor.scanner_serial)
                                : fmt::format("store {}: sensor '{}' is registered with another type file ('{}')",
                                              path(), sensor.serial, known->type),
-                     "register it under a serial of its own: models are bound to sensor, type and scanner");
+                     "register it under another serial: models are bound to sensor, type and scanner");
   }
   sqlite::Statement(connection, sqlite::insert_into("sensors", SensorRecord::kColumns)).bind(sensor.row()).run();
   transaction.commit();
@@ -145,7 +145,7 @@ std::string new_uuid() {
 
 namespace {
 
-// A text with its own hash beside it can be checked by itself.
+// A text stored with its hash can be checked separately.
 std::string text_that_changed(const RunRecord& run) {
   const auto changed = [](const std::string& text, const std::string& sha256) {
     return sha256.size() == 64 && sha256_hex(text) != sha256;
@@ -176,7 +176,7 @@ void check_without_frames(ContentCheck& check, const RunRecord& run, const RunEn
   check.frames = pruned.frames;
   check.computed_sha256 = hex(hasher.close(pruned.chain, pruned.frames, end));
   if (there > 0) {
-    check.difference = fmt::format("{} frames are there, and all were removed on {}", there, pruned.pruned_utc);
+    check.difference = fmt::format("{} frames are there although all were removed on {}", there, pruned.pruned_utc);
   } else if (hasher.header(run) != pruned.header) {
     const std::string text = text_that_changed(run);
     check.difference = text.empty() ? "the run's row, a sequence, a device, or the link kept of them" : text;
@@ -236,7 +236,7 @@ ContentCheck RunStore::check_content(std::int64_t number) const {
   if (!gap.empty()) {
     check.difference = gap;
   } else if (broken != 0 && (mended != 0 || (ended && same))) {
-    check.difference = fmt::format("the link kept with {}; the frame itself is as it was stored", broken_place);
+    check.difference = fmt::format("the link kept with {}; the frame itself is unchanged", broken_place);
   } else if (broken == 1) {
     const std::string text = text_that_changed(run);
     check.difference =
@@ -245,15 +245,14 @@ ContentCheck RunStore::check_content(std::int64_t number) const {
     check.difference = fmt::format("{}: its row or its branch's place", broken_place);
   } else if (!same) {
     const std::string text = check.frames == 0 ? text_that_changed(run) : std::string();
-    check.difference = !text.empty()
-                           ? text
-                           : fmt::format(
-                                 "{}an event, a branch, a check, a series, the number of frames (now {}), the "
-                                 "outcome, its reason, the safe state, or the stored hash itself",
-                                 check.frames == 0 ? "the run's row, a sequence, a device, "
-                                                   : "all up to the last "
-                                                     "frame is as it was stored; what follows is not: ",
-                                 check.frames);
+    check.difference =
+        !text.empty() ? text
+                      : fmt::format(
+                            "{}an event, a branch, a check, a series, the number of frames (now {}), the "
+                            "outcome, its reason, the safe state, or the stored hash itself",
+                            check.frames == 0 ? "the run's row, a sequence, a device, "
+                                              : "everything up to the last frame is unchanged; what follows is not:  ",
+                            check.frames);
   }
   return check;
 }
@@ -274,7 +273,8 @@ std::vector<std::string> RunStore::check_structure() const {
     const std::int64_t made = database_->connection.integer(
         fmt::format("SELECT coalesce((SELECT max(seq) FROM sqlite_sequence WHERE name = '{}'), 0)", table));
     if (there < made)
-      wrong.push_back(fmt::format("{}: {} were stored, {} are there, and none is ever deleted", table, made, there));
+      wrong.push_back(
+          fmt::format("{}: {} were stored but {} are there, although none is ever deleted", table, made, there));
   }
   sqlite::Statement rows(database_->connection,
                          "SELECT \"table\", rowid, parent FROM pragma_foreign_key_check ORDER BY 1, 2 LIMIT 100");

@@ -1,5 +1,5 @@
 // The store of a bench, one SQLite file (WAL): runs, frames, events, models, verdicts. Each frame is one committed
-// transaction, so a dying process loses nothing acknowledged. Not thread-safe: one owner; other processes may read.
+// transaction, so a process that dies loses no acknowledged data. Not thread-safe: one owner; other processes may read.
 #pragma once
 
 #include <chrono>
@@ -31,8 +31,8 @@ class StoreError : public std::runtime_error {
 };
 
 enum class Durability {
-  kFull,    // synchronous=FULL: survives a power failure; on hardware
-  kNormal,  // survives the process's death; under the manual clock
+  kFull,    // synchronous=FULL: survives a power failure; for hardware
+  kNormal,  // survives the death of the process; for simulations with a manual clock
 };
 
 inline constexpr int kSchemaVersion = 1;
@@ -54,15 +54,14 @@ void set_warning_handler(std::function<void(const std::string&)> tell);
 struct ContentCheck {
   std::string stored_sha256, computed_sha256;  // in hex; stored is empty until the run ends
   std::int64_t frames = 0;
-  // The first difference from what was stored, as text for people, as far as the links kept with the frames show it;
-  // empty: none.
+  // The first difference from what was stored, as text, as far as the stored links of the chain show it; empty: none.
   std::string difference;
-  // The frames were removed by a rule: what is left of the run was checked, the frames were not.
+  // Set if the frames were removed by a retention rule: the rest of the run was checked, the frames were not.
   std::optional<PrunedRecord> pruned;
   [[nodiscard]] bool holds() const { return difference.empty(); }
 };
 
-// Schema version of the file, which is neither opened for writing nor migrated. TB-STORE-OPEN when it is not a store.
+// Schema version of the file, read without writing or migrating. TB-STORE-OPEN if it is not a store.
 int schema_version_of(const std::string& path);
 // Name of the backup made when an older store is opened: next to it, first free name ("runs.db.schema-2.backup").
 std::string backup_path(const std::string& path, int version);
@@ -84,8 +83,8 @@ class RunStore {
   RunStore& operator=(RunStore&&) noexcept;
   ~RunStore();
 
-  // How long each call waits for the lock of another writer before it throws TB-STORE-LOCKED and has done nothing, so
-  // that it may be repeated. 5 s without this.
+  // How long each call waits for the lock of another writer before it throws TB-STORE-LOCKED without any effect, so
+  // that it may be repeated. Default: 5 s.
   void wait_for_locks(std::chrono::milliseconds at_most);
 
   // Sensors. add_sensor: TB-STORE-CONFLICT when the serial exists with another type file or scanner.
@@ -105,15 +104,15 @@ class RunStore {
   void append_check(std::int64_t run, const CheckRecord& check);
   // TB-STORE-CONFLICT when the series exists already, or does not have one output for each input.
   void append_series(std::int64_t run, const std::vector<SeriesRecord>& series);
-  void set_rest(std::int64_t run, double rest_s);           // wall clock: no part of the canonical content
+  void set_rest(std::int64_t run, double rest_s);  // wall-clock time, which is not part of the canonical content
   void set_seen(std::int64_t run, const std::string& utc);  // last sign of life, for a resume
-  // People's remarks on a run; none is canonical content, and all but void_run are possible in any state of the run.
-  // A tag is one word of letters, digits and . _ : / + -; adding one twice or removing an absent one is not an error.
-  // TB-STORE-TAG for another kind of tag.
+  // Users' remarks on a run; they are not part of the canonical content. All except void_run are possible in any state
+  // of the run. A tag is one word of letters, digits and . _ : / + -; adding one twice or removing an absent one is not
+  // an error. TB-STORE-TAG for an invalid tag.
   void set_tags(std::int64_t run, const std::vector<std::string>& add, const std::vector<std::string>& remove);
   void add_note(std::int64_t run, const std::string& text);  // appends a line
-  // The run no longer counts, permanently; its rows stay. TB-STORE-BLANK without reason or name, TB-STORE-CONFLICT
-  // without date, or when the run has not ended or is void already.
+  // Declares the run void, permanently; its rows stay. TB-STORE-BLANK without reason or name, TB-STORE-CONFLICT
+  // without date, or if the run has not ended or is already void.
   void void_run(std::int64_t run, const std::string& reason, const std::string& by, const std::string& utc);
   // Closes the run: state ended, outcome, reason, safe state, content hash.
   void end_run(std::int64_t run, Outcome outcome, const std::string& reason, SafeState safe, const std::string& utc);
@@ -121,20 +120,20 @@ class RunStore {
   // it only when it is certain that no process is writing a run to this store.
   int mark_interrupted(const std::string& utc);
   // Reopens an ended run that was not completed: state prepared, outcome incomplete; `event` holds the reason and the
-  // cause of its end. TB-STORE-CONFLICT for a completed or a running run, and for one whose content differs from what
-  // was stored, because its next end would put a new hash over the changed content.
+  // cause of its end. TB-STORE-CONFLICT for a completed or running run, and for a run that has changed since it was
+  // stored, because its next end would hash the changed content.
   void reopen_run(std::int64_t run, const EventRecord& event);
 
   // Reading. TB-STORE-NOT-FOUND names the existing runs. frames() and for_each_frame(): TB-STORE-PRUNED for a run whose
   // frames were removed.
-  // Newest last; without sequences and devices. Found by index: what a filter leaves out costs nothing.
+  // Newest last; without sequences and devices. Uses an index: runs left out by the filter cost no time.
   [[nodiscard]] std::vector<RunRecord> runs() const;
   [[nodiscard]] std::vector<RunRecord> runs(const RunFilter& filter) const;
   [[nodiscard]] RunRecord run(std::int64_t number) const;
   [[nodiscard]] std::vector<BranchRecord> branches(std::int64_t run) const;
   [[nodiscard]] std::vector<FrameRecord> frames(std::int64_t run) const;  // in the order written
   void for_each_frame(std::int64_t run,
-                      const std::function<void(const FrameRecord&)>& see) const;  // one in memory at a time
+                      const std::function<void(const FrameRecord&)>& see) const;  // only one in memory at a time
   [[nodiscard]] std::int64_t frame_count(std::int64_t run) const;
   [[nodiscard]] std::int64_t void_frame_count(std::int64_t run) const;     // in void branches
   [[nodiscard]] std::int64_t flagged_frame_count(std::int64_t run) const;  // with any flag, also in void branches
@@ -147,57 +146,62 @@ class RunStore {
   // The newest check of that kind and verdict from an earlier run of this sensor; void runs do not count.
   [[nodiscard]] std::optional<CheckRecord> last_check(const std::string& sensor_serial, const std::string& kind,
                                                       const std::string& verdict, std::int64_t before_run) const;
-  [[nodiscard]] std::int64_t last_time_ns(std::int64_t run) const;  // of its newest frame or event; 0: none
+  [[nodiscard]] std::int64_t last_time_ns(std::int64_t run) const;  // time of its newest frame or event; 0: none
 
-  // For time estimates; cheap, no frame is read. The sequences of the `newest` completed runs of a bench, newest first.
+  // For time estimates; fast, because no frame is read. The sequences of the `newest` completed runs of a bench, newest
+  // first.
   [[nodiscard]] std::vector<TimedSequence> timed_sequences(const std::string& bench_id, int newest) const;
-  [[nodiscard]] std::int64_t last_position(std::int64_t run) const;  // of a frame in the run, from 1; 0: no frame
+  [[nodiscard]] std::int64_t last_position(
+      std::int64_t run) const;  // position of the run's last frame, from 1; 0: no frame
   [[nodiscard]] std::optional<FrameTime> frame_time(std::int64_t run, std::int64_t position) const;
   [[nodiscard]] std::vector<TimedEvent> timed_events(std::int64_t run) const;  // in the order written
 
-  // Checks that a run's rows are those present when it ended. Accepts any run; one that has not ended has no stored
-  // hash, so only its links are checked.
+  // Checks that a run's rows are unchanged since it ended. Accepts any run; one that has not ended has no stored hash,
+  // so only the chain's links are checked.
   [[nodiscard]] ContentCheck check_content(std::int64_t run) const;
-  // Checks that the run's fits, verdicts, approvals and void are those that were stored: one line per difference.
+  // Checks that the run's fits, verdicts, approvals and void are unchanged since they were stored: one line per
+  // difference.
   [[nodiscard]] std::vector<std::string> check_seals(std::int64_t run) const;
-  // SQLite's own checks of the file (integrity_check, foreign_key_check), foreign objects, and missing runs and
-  // baselines, since none is ever deleted: one line per defect; empty: none.
+  // SQLite's own checks of the file (integrity_check, foreign_key_check), foreign objects, and gaps in the numbers of
+  // runs and baselines, because none is ever deleted: one line per defect; empty: none.
   [[nodiscard]] std::vector<std::string> check_structure() const;
   // Copies the present state of the store into a new file, even while another process writes a run. TB-STORE-EXISTS
   // when the file exists already; a copy that fails leaves no file.
   void snapshot(const std::string& path) const;
-  // Copies ended runs of another store with their sensors, fits and verdicts; returns their numbers here. All or none:
-  // TB-STORE-EXISTS when one is here already (same UUID), TB-STORE-CONFLICT when one is not as stored, has not ended,
-  // or its sensor is registered differently here. Models, verdicts and approvals must be as stored, too. Verdicts are
-  // copied with the judged run; without it they are left out, even if the models' run is copied.
+  // Copies ended runs of another store with their sensors, fits and verdicts; returns their numbers here. Copies all or
+  // none: TB-STORE-EXISTS if one is here already (same UUID), TB-STORE-CONFLICT if one has changed since it was stored,
+  // has not ended, or its sensor is registered differently here. Models, verdicts and approvals must also be unchanged.
+  // Verdicts are copied with the judged run; without it they are left out, even if the run of the models is copied.
   std::vector<std::int64_t> copy_runs_from(const RunStore& other, const std::vector<std::int64_t>& runs);
-  // For copies of runs that come from several stores of one run each. The next run gets this number, or the next free
-  // one above it. And the fits that the run's verdicts are by, in the order of verdicts(); 0: as it is.
+  // For copies of runs from several stores with one run each. number_next_run(): the next run gets this number, or the
+  // next free one above it. The second function sets the fits of the run's verdicts, in the order of verdicts(); 0:
+  // unchanged.
   void number_next_run(std::int64_t number);
   void link_verdicts(std::int64_t run, const std::vector<std::int64_t>& fits);
   // The run with this UUID, which is the same run in every store; 0: none.
   [[nodiscard]] std::int64_t run_of_uuid(const std::string& uuid) const;
 
   // SHA-256 chained over the run's canonical content: everything except UUID, wall-clock times and time zone, host,
-  // tags, notes and the run's number, which belongs to the file (hash_chain.h). Recomputed from the stored rows, frames
-  // among them: TB-STORE-PRUNED without.
+  // tags, notes and the run's number, which belongs to the file (hash_chain.h). Recomputed from the stored rows;
+  // TB-STORE-PRUNED if the frames were removed.
   [[nodiscard]] std::string content_hash(std::int64_t run) const;
 
   // Models and verdicts.
   std::int64_t add_fit(const FitRecord& fit);
-  // The newest of those that stand for the run; where none does, the newest.
+  // The newest fit marked `stands`; if there is none, the newest fit.
   [[nodiscard]] std::optional<FitRecord> default_fit(std::int64_t run) const;
   [[nodiscard]] FitRecord fit(std::int64_t fit) const;
   [[nodiscard]] std::vector<FitRecord> fits(std::int64_t run) const;  // oldest first
-  // Replaces those of the run's verdicts that are by the same limits and from any fit of the same model on the same run
-  // as `fit`. Verdicts from other models and by other limits stay: a later file does not undo an earlier one's verdict.
-  // fit 0: judged without a stored fit.
+  // Replaces the run's verdicts by the same limits from any fit of the same model on the same run as `fit`. Verdicts
+  // from other models or by other limits stay: a later limits file does not undo a verdict by an earlier one. fit 0:
+  // judged without a stored fit.
   void replace_verdicts(std::int64_t run, std::int64_t fit, const std::vector<VerdictRecord>& verdicts);
-  [[nodiscard]] std::vector<VerdictRecord> verdicts(std::int64_t run) const;  // on the run; in the order stored
+  [[nodiscard]] std::vector<VerdictRecord> verdicts(
+      std::int64_t run) const;  // verdicts on the run, in the order stored
   // Verdicts on any run, from all fits that were made from this run; in the order stored.
   [[nodiscard]] std::vector<VerdictRecord> verdicts_of_models(std::int64_t run) const;
 
-  // Figures followed over time. Replaces all figures of this subject in this run.
+  // Figures tracked over time. Replaces all figures of this subject in this run.
   void replace_figures(std::int64_t run, const std::string& subject, const std::map<std::string, double>& figures);
   // Figures of runs that are not void, by run, then name. Empty subject: figures of all subjects.
   [[nodiscard]] std::vector<FigureRecord> figures(const std::string& subject) const;
@@ -205,24 +209,25 @@ class RunStore {
   [[nodiscard]] std::vector<std::string> subjects_of(std::int64_t run) const;
   [[nodiscard]] std::map<std::string, double> figures_of(std::int64_t run, const std::string& subject) const;
   // TB-STORE-BLANK without reason or name. TB-STORE-CONFLICT without date or runs, for a void run, for a run without
-  // figures of the subject, for runs of several origins, and for several runs that all repeat one, so that no figure
-  // has a spread.
+  // figures of the subject, for runs of several origins, and for several runs that all repeat the same run, so that no
+  // figure has a spread.
   std::int64_t add_baseline(const BaselineRecord& baseline);
   // Copies a baseline that was accepted in another store, with the numbers of its runs here; it is not judged again.
   // TB-STORE-CONFLICT when a run does not exist.
   std::int64_t copy_baseline(const BaselineRecord& baseline);
-  [[nodiscard]] std::vector<BaselineRecord> baselines() const;  // oldest first; of a subject the last one counts
+  [[nodiscard]] std::vector<BaselineRecord> baselines() const;  // oldest first; the last one of a subject is in use
   [[nodiscard]] std::optional<BaselineRecord> last_baseline(const std::string& subject) const;
-  // Those of `runs` that repeat an earlier one of them, each with that earlier run: the same content (and so the same
-  // seeds), or the same value of every figure of the subject, not all of them whole numbers. It adds nothing to a
-  // spread.
+  // The runs of `runs` that repeat an earlier one, each with that earlier run: they have the same content (and so the
+  // same seeds), or the same value of every figure of the subject, unless all figures are whole numbers. A repetition
+  // adds nothing to the spread.
   [[nodiscard]] std::map<std::int64_t, std::int64_t> repeated_runs(const std::string& subject,
                                                                    std::vector<std::int64_t> runs) const;
   // The newest run before `before` with these seeds and figures of this subject; 0: none.
   [[nodiscard]] std::int64_t last_run_of(const std::string& subject, std::int64_t seed, std::int64_t sensor_seed,
                                          std::int64_t before) const;
   // Approved reports. TB-STORE-BLANK without name, TB-STORE-CONFLICT when that number is approved already, or when
-  // `replaces` is not the last approved report; one that replaces another has a reason (TB-STORE-BLANK), others none.
+  // `replaces` is not the last approved report; a report that replaces another needs a reason (TB-STORE-BLANK), others
+  // must not have one.
   void add_report(const ReportRecord& report);
   [[nodiscard]] std::vector<ReportRecord> reports(std::int64_t run) const;  // oldest first
   [[nodiscard]] std::vector<ReportRecord> reports() const;                  // of all runs
@@ -231,21 +236,23 @@ class RunStore {
   std::int64_t add_night(const NightRecord& night);
   [[nodiscard]] std::vector<NightRecord> nights() const;  // oldest first
 
-  // Removal of frames that a rule gives up (run_store_copy.cpp); all else of the run stays. Empty: the frames may go;
-  // else why they stay: not simulated, not of a night, not ended, void, pinned (tag), in an approved report, what the
-  // models of such a run rest on, no frames.
+  // Removal of frames by a retention rule (run_store_copy.cpp); all other data of the run stay. Empty: the frames may
+  // be removed; else why not: not simulated, not of a night, not ended, void, pinned (tag), in an approved report, used
+  // by the models of such a run, no frames.
   [[nodiscard]] std::string why_not_pruned(std::int64_t run) const;
-  // One transaction. TB-STORE-CONFLICT when they may not go, or when the run is not as it was stored.
+  // One transaction. TB-STORE-CONFLICT if they may not be removed, or if the run has changed since it was stored.
   PrunedRecord prune_frames(std::int64_t run, const std::string& rule, const std::string& utc);
   [[nodiscard]] std::optional<PrunedRecord> pruned(std::int64_t run) const;
-  void shrink();  // gives the file's free pages back; needs as much space again, and nobody else in the store
+  void shrink();  // returns the file's free pages to the file system; needs as much free space as the store, and
+                  // exclusive use of it
 
   [[nodiscard]] const std::string& path() const;
-  // TB-STORE-GONE when the file was removed, moved, replaced or cut off; what is written still goes into the open one.
+  // TB-STORE-GONE when the file was removed, moved, replaced or cut off; data that is written still goes into the open
+  // file.
   void require_in_place() const;
-  // Saves the open store, whose file is not in its place, whole beside it (or in the system's temporary folder) and
-  // returns the name; the log that it left at its old name, which would spoil the next store there, goes. Throws
-  // TB-STORE-GONE where it is not whole any more.
+  // Saves a complete copy of the open store, whose file was moved or removed, next to its old path (or in the system's
+  // temporary folder) and returns the name. Removes the log at the old path, which would damage the next store there.
+  // Throws TB-STORE-GONE if the open store is no longer complete.
   [[nodiscard]] std::string rescue() const;
 
  private:

@@ -128,9 +128,10 @@ std::vector<std::int64_t> RunStore::copy_runs_from(const RunStore& other, const 
     }
     const std::vector<std::string> wrong = other.check_seals(run);
     if (wrong.empty()) continue;
-    throw StoreError("TB-STORE-CONFLICT",
-                     fmt::format("store {}: run {} is not what was stored: {}", other.path(), run, wrong.front()),
-                     "nothing was copied; tactbench verify RUN, and take the last snapshot");
+    throw StoreError(
+        "TB-STORE-CONFLICT",
+        fmt::format("store {}: run {} has changed since it was stored: {}", other.path(), run, wrong.front()),
+        "nothing was copied; tactbench verify RUN shows more; restore the last snapshot");
   }
   refuse_network(other.path());  // the other store is opened again here, with locks
   const AttachedStore attached(connection, std::filesystem::absolute(other.path()).string());
@@ -150,8 +151,8 @@ std::vector<std::int64_t> RunStore::copy_runs_from(const RunStore& other, const 
     if (check.holds()) continue;
     throw StoreError(
         "TB-STORE-CONFLICT",
-        fmt::format("store {}: run {} is not what was stored: {}", other.path(), runs[i], check.difference),
-        "nothing was copied; tactbench verify RUN, and take the last snapshot");
+        fmt::format("store {}: run {} has changed since it was stored: {}", other.path(), runs[i], check.difference),
+        "nothing was copied; tactbench verify RUN shows more; restore the last snapshot");
   }
   transaction.commit();
   return numbers;
@@ -220,7 +221,7 @@ std::string RunStore::why_not_pruned(std::int64_t number) const {
   while (others.step()) {
     const auto other = others.value<std::int64_t>();
     if (const std::string whole = why_whole(connection, database_->run(other)); !whole.empty())
-      return fmt::format("run {} is {}, and a verdict rests on both", other, whole);
+      return fmt::format("run {} is {}, and a verdict is based on both", other, whole);
   }
   return {};
 }
@@ -233,15 +234,15 @@ std::optional<PrunedRecord> RunStore::pruned(std::int64_t run) const {
 PrunedRecord RunStore::prune_frames(std::int64_t run, const std::string& rule, const std::string& utc) {
   check_nonblank_text("the rule", rule, kMaxTextLength);
   const auto refuse = [&](const std::string& what, const std::string& remedy) {
-    throw StoreError("TB-STORE-CONFLICT", fmt::format("store {}: the frames of run {} stay: {}", path(), run, what),
-                     remedy);
+    throw StoreError("TB-STORE-CONFLICT",
+                     fmt::format("store {}: the frames of run {} cannot be removed: {}", path(), run, what), remedy);
   };
   sqlite::Connection& connection = database_->connection;
   sqlite::Transaction transaction(connection);
   if (const std::string why = why_not_pruned(run); !why.empty()) refuse(why, "leave it out");
   const ContentCheck content = check_content(run);
   if (!content.holds())
-    refuse(fmt::format("it is not what was stored: {}", content.difference),
+    refuse(fmt::format("it has changed since it was stored: {}", content.difference),
            fmt::format("tactbench verify {} shows what differs", run));
   PrunedRecord pruned;
   pruned.run = run;
@@ -344,7 +345,7 @@ std::vector<std::string> RunStore::check_seals(std::int64_t run) const {
     } else if (stored.count != now.count) {
       wrong.push_back(fmt::format("{}: {} were stored, {} there now", kind, stored.count, now.count));
     } else if (stored.sha256 != now.sha256 && !(stored.count == 0 && stored.sha256.empty())) {
-      wrong.push_back(fmt::format("{}: what is there is not what was stored", kind));
+      wrong.push_back(fmt::format("{}: changed since they were stored", kind));
     }
   }
   return wrong;

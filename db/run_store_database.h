@@ -19,7 +19,7 @@
 
 namespace tactbench::db {
 
-// Kinds of rows stored beside a run's content, each kind with its own hash (seals.cpp).
+// Kinds of rows stored in addition to a run's content, each kind with its own hash (seals.cpp).
 inline constexpr std::array kSealed = {"fits", "verdicts", "approvals", "void"};
 
 // The keys of a run's frames are above `first` and below `end`.
@@ -40,14 +40,14 @@ class RunStore::Database {
   };
 
   OpenRun& open_run(std::int64_t run);  // TB-STORE-NOT-FOUND, TB-STORE-CONFLICT when it has ended
-  // Call within a transaction: another process may have ended the run since. TB-STORE-CONFLICT.
+  // To be called within a transaction, because another process may have ended the run meanwhile. TB-STORE-CONFLICT.
   void require_open(std::int64_t run);
   const BranchRecord& branch_of(std::int64_t run, std::int64_t branch);
   void require_run(std::int64_t run);     // TB-STORE-NOT-FOUND, naming the existing ones
   void require_frames(std::int64_t run);  // the same, and TB-STORE-PRUNED
   Digest header_digest(std::int64_t run);
-  // A log that grows costs a commit of the file system's journal at each commit of the store; a log that is overwritten
-  // does not. So with durable commits it is extended once to the length at which SQLite restarts it (1000 pages).
+  // A growing log costs a commit of the file system's journal at each commit of the store; an overwritten log does not.
+  // So with durable commits the log is extended once to the length at which SQLite restarts it (1000 pages).
   void preallocate_log();
   void insert_devices(std::int64_t run, const std::vector<DeviceRecord>& devices);
   void insert_event(std::int64_t run, const EventRecord& event);
@@ -60,7 +60,7 @@ class RunStore::Database {
   std::vector<EventRecord> events(std::int64_t run);
   std::vector<CheckRecord> checks(std::int64_t run);
   std::vector<SeriesRecord> series(std::int64_t run);
-  RunEnd end_of(std::int64_t run);  // of an open run: outcome, reason and safe state are not filled in
+  RunEnd end_of(std::int64_t run);  // of an open run, without outcome, reason and safe state
   RunEnd end_of(const RunRecord& run);
   template <class Take>
   void for_each_frame(std::int64_t run, Take take);
@@ -69,7 +69,7 @@ class RunStore::Database {
   sqlite::Connection connection;
   HashChain hasher;
   std::map<std::int64_t, OpenRun> open_runs;
-  BranchRecord last_branch;  // branch of the last frame; its run next to it
+  BranchRecord last_branch;  // branch of the last frame, and its run
   std::int64_t last_branch_run = 0;
   std::unique_ptr<sqlite::Statement> frame_statement, time_statement;
 };

@@ -226,10 +226,9 @@ void check_tag(const std::string& tag) {
   const std::size_t equals = tag.find('=');  // of KEY=VALUE: one, with something on both sides
   const bool pair = equals == std::string::npos || (equals > 0 && equals + 1 < tag.size() && tag.rfind('=') == equals);
   if (!tag.empty() && tag.size() <= 64 && pair && std::ranges::all_of(tag, fits)) return;
-  throw StoreError(
-      "TB-STORE-TAG", fmt::format("'{}' is not a valid tag", tag),
-      "a tag is one word of up to 64 letters, digits and . _ : / + -, or two with = between them (lot=A7); "
-      "longer words go into a note");
+  throw StoreError("TB-STORE-TAG", fmt::format("'{}' is not a valid tag", tag),
+                   "a tag is one word of up to 64 letters, digits and . _ : / + -, or two joined by = (lot=A7); "
+                   "longer words go into a note");
 }
 
 }  // namespace
@@ -251,8 +250,7 @@ void check_text(const std::string& what, const std::string& text, std::size_t lo
 void check_nonblank_text(const std::string& what, const std::string& text, std::size_t longest) {
   check_text(what, text, longest);
   if (!is_blank(text)) return;
-  throw StoreError("TB-STORE-BLANK", fmt::format("{} is empty or blank", what),
-                   "write what is to stand there; nothing was stored");
+  throw StoreError("TB-STORE-BLANK", fmt::format("{} is empty or blank", what), "give the text; nothing was stored");
 }
 
 void RunStore::set_tags(std::int64_t run, const std::vector<std::string>& add, const std::vector<std::string>& remove) {

@@ -28,7 +28,7 @@ RunRecord run_of(const sqlite::Statement& row) {
   if (!known_outcome || !known_state) {
     throw StoreError("TB-STORE-SQL",
                      fmt::format("run {} has the outcome '{}' and the safe state '{}'", r.run, outcome, safe_state),
-                     "the file was changed by another hand: take your last snapshot");
+                     "another program changed the file: restore your last snapshot");
   }
   r.outcome = *known_outcome;
   r.safe_state = *known_state;
@@ -190,8 +190,8 @@ void RunStore::Database::require_frames(std::int64_t run) {
   throw StoreError(
       "TB-STORE-PRUNED",
       fmt::format("store {}: the frames of run {} were removed on {}, by the rule {}", path, run, utc, rule),
-      "figures, models and verdicts are there (tactbench runs show); a simulated run can be carried out "
-      "again with its seeds, or take a snapshot from before");
+      "figures, models and verdicts are there (tactbench runs show); a simulated run can be repeated with its seeds, "
+      "or use an earlier snapshot");
 }
 
 std::vector<FrameRecord> RunStore::frames(std::int64_t run) const {
@@ -204,7 +204,7 @@ std::vector<FrameRecord> RunStore::frames(std::int64_t run) const {
           "TB-STORE-SQL",
           fmt::format("store {}: frame {} of run {} holds {} counts, not those of scans x rows x columns {} x {} x {}",
                       path(), frames.size() + 1, run, frame.counts.size(), frame.scans, frame.rows, frame.columns),
-          "the file was changed by another hand: take your last snapshot");
+          "another program changed the file: restore your last snapshot");
     }
     frames.push_back(frame);
   });
@@ -275,7 +275,8 @@ std::vector<FigureRecord> RunStore::figures(const std::string& subject) const {
 std::map<std::int64_t, std::int64_t> RunStore::repeated_runs(const std::string& subject,
                                                              std::vector<std::int64_t> runs) const {
   std::map<std::int64_t, std::map<std::string, std::string>> values;  // as text: a value may be not-a-number
-  std::set<std::int64_t> measured;  // runs with a figure that is no whole number: counts may be equal by right
+  std::set<std::int64_t>
+      measured;  // runs with a figure that is not a whole number: equal counts do not prove a repetition
   for (const FigureRecord& figure : figures(subject)) {
     values[figure.run][figure.name] = fmt::format("{}", figure.value);
     if (figure.value != std::round(figure.value)) measured.insert(figure.run);
@@ -323,14 +324,15 @@ std::int64_t RunStore::add_baseline(const BaselineRecord& baseline) {
     if (own.bind(number, baseline.subject).step()) continue;
     refuse(fmt::format("names run {}, which has no figures of it", number), "tactbench trend shows the runs that have");
   }
-  if (origins.size() > 1) refuse("mixes simulated and real runs", "one origin a baseline");
+  if (origins.size() > 1) refuse("mixes simulated and real runs", "use runs of one origin for a baseline");
   const std::set<std::int64_t> named(baseline.runs.begin(), baseline.runs.end());
   const auto repeated = repeated_runs(baseline.subject, baseline.runs);
   if (named.size() > 1 && repeated.size() + 1 == named.size()) {
-    refuse(fmt::format("names {} runs that are all one measurement: run {} repeats run {} (the same seeds and content, "
-                       "or the same figures), so that no figure has a spread",
-                       named.size(), repeated.begin()->first, repeated.begin()->second),
-           "accept runs that were measured separately, simulated ones with seeds of their own (--seed)");
+    refuse(fmt::format(
+               "names {} runs that are all the same measurement: run {} repeats run {} (the same seeds and content, "
+               "or the same figures), so that no figure has a spread",
+               named.size(), repeated.begin()->first, repeated.begin()->second),
+           "accept runs that were measured separately, simulated ones with different seeds (--seed)");
   }
   const std::int64_t number = database_->insert_baseline(baseline, named);
   transaction.commit();
@@ -367,7 +369,7 @@ void RunStore::add_report(const ReportRecord& report) {
   const std::string last = before.empty() ? std::string() : before.back().number;
   if (report.replaces != last) {
     throw StoreError("TB-STORE-CONFLICT",
-                     fmt::format("report {} of run {} would replace '{}', and the one approved last is '{}'",
+                     fmt::format("report {} of run {} would replace '{}', but the one approved last is '{}'",
                                  report.number, report.run, report.replaces, last),
                      "another one was approved meanwhile: check that one, then approve again");
   }
@@ -375,7 +377,7 @@ void RunStore::add_report(const ReportRecord& report) {
     check_nonblank_text("the reason why the report replaces another", report.reason, kMaxTextLength);
   } else if (!report.reason.empty()) {
     throw StoreError("TB-STORE-CONFLICT",
-                     fmt::format("report {} replaces none, and a reason to replace one is stated", report.number),
+                     fmt::format("report {} replaces none, but a reason to replace one is stated", report.number),
                      "leave the reason out");
   }
   std::string evidence;

@@ -49,7 +49,7 @@ RunStore::Database::OpenRun& RunStore::Database::open_run(std::int64_t run) {
                            .bind(run)
                            .first<std::string>();
   if (outcome) {
-    throw conflict(fmt::format("store {}: run {} has ended ({}) and takes no more", path, run, *outcome),
+    throw conflict(fmt::format("store {}: run {} has ended ({}) and accepts no more data", path, run, *outcome),
                    "start a new run");
   }
   sqlite::Statement last(connection,
@@ -66,7 +66,7 @@ void RunStore::Database::require_open(std::int64_t run) {
   sqlite::Statement row(connection, "SELECT 1 FROM runs WHERE run = ? AND state <> 'ended'");
   if (row.bind(run).step()) return;
   open_runs.erase(run);
-  throw conflict(fmt::format("store {}: run {} was ended by another process and takes no more", path, run),
+  throw conflict(fmt::format("store {}: run {} was ended by another process and accepts no more data", path, run),
                  "tactbench runs show shows how it ended; tactbench resume continues it");
 }
 
@@ -170,7 +170,7 @@ void RunStore::set_devices(std::int64_t run, const std::vector<DeviceRecord>& de
 
 void RunStore::set_state(std::int64_t run, const std::string& state, const EventRecord& event) {
   database_->open_run(run);
-  if (state == "ended") throw conflict("a run ends through end_run alone", "this is a defect: please report it");
+  if (state == "ended") throw conflict("a run may end only through end_run", "this is a defect: please report it");
   sqlite::Transaction transaction(database_->connection);
   database_->require_open(run);
   sqlite::Statement(database_->connection, "UPDATE runs SET state = ? WHERE run = ?").bind(state, run).run();
@@ -228,7 +228,7 @@ void RunStore::append_frame(std::int64_t run, const FrameRecord& f) {
       .run();
   if (database.connection.changes() != 1) {
     database.require_open(run);
-    throw conflict(fmt::format("store {}: run {} was ended and opened again by another process", path(), run),
+    throw conflict(fmt::format("store {}: run {} was ended and reopened by another process", path(), run),
                    "this frame was not stored; end this run");
   }
   ++open.frames;
@@ -358,10 +358,10 @@ void RunStore::reopen_run(std::int64_t run, const EventRecord& event) {
            "control it with tactbench pause, resume, stop; or wait for its end");
   }
   const ContentCheck content = check_content(run);
-  if (content.pruned) refuse("has no frames any more: they were removed by a rule", "start a new run");
+  if (content.pruned) refuse("has no frames any more: they were removed by a retention rule", "start a new run");
   if (!content.holds()) {
-    refuse(fmt::format("is not what was stored, and to continue it would hide that: {}", content.difference),
-           fmt::format("tactbench verify {} shows what differs; take your last snapshot, or start a new run", run));
+    refuse(fmt::format("has changed since it was stored, and continuing it would hide that: {}", content.difference),
+           fmt::format("tactbench verify {} shows what differs; restore your last snapshot, or start a new run", run));
   }
   sqlite::Statement(database_->connection,
                     "UPDATE runs SET state = 'prepared', outcome = 'incomplete', reason = '', safe_state = 'unknown', "

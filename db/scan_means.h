@@ -14,14 +14,14 @@ namespace tactbench::db {
 inline constexpr double kOutlierCounts = 0.05 * 65535.0;
 inline constexpr std::uint16_t kConverterLimit = 65535;
 
-// Outputs of the same taxel in the frames before and after, in any order; not a number: there are none.
+// Outputs of the same taxel in the previous and the next frame, in any order; NaN: there is no such frame.
 struct Nearby {
   double one, other;
 };
 
-// The value that most samples of a taxel agree on, each within kOutlierCounts; of two that differ the one that clearly
-// is nearer to the neighbouring frames, or, where there are none, the one that is not at an end of the converter. NaN:
-// no sample is left out, since all agree or the outlier cannot be identified.
+// The value on which most samples of a taxel agree within kOutlierCounts. Of two samples that differ, the one clearly
+// nearer to the neighbouring frames or, if there are none, the one that is not at an end of the converter's range. NaN:
+// no sample is left out, because all agree or the outlier cannot be identified.
 double consensus_count(std::span<const std::uint16_t> counts, std::size_t scans, std::size_t taxel, Nearby nearby);
 
 // True when the scans of a taxel, or of any taxel, differ by more than kOutlierCounts.

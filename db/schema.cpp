@@ -70,8 +70,8 @@ SchemaObjects objects_of_version(const Migrations& known, std::int64_t version) 
 [[noreturn]] void refuse_other_schema(const std::string& path, const std::string& difference) {
   throw StoreError("TB-STORE-OTHER-SCHEMA",
                    fmt::format("store {} is not of this program's schema: {}", path, difference),
-                   "read it with the build of tactbench that wrote it (its runs state version and commit), or make its "
-                   "runs again; where somebody changed the file, take your last snapshot");
+                   "read it with the build of tactbench that wrote it (its runs state version and commit), or repeat "
+                   "its runs; if somebody changed the file, restore your last snapshot");
 }
 
 }  // namespace
@@ -114,7 +114,7 @@ ForeignObjects foreign_objects(sqlite::Connection& connection, const Migrations&
     if (own == there.end())
       found.changed.push_back(fmt::format("{} '{}' is missing", type, name));
     else if (own->second != object)
-      found.changed.push_back(fmt::format("{} '{}' is not as tactbench makes it", type, name));
+      found.changed.push_back(fmt::format("{} '{}' differs from that of tactbench", type, name));
   }
   for (const auto& [key, object] : there) {
     if (ours.contains(key)) continue;
@@ -123,7 +123,7 @@ ForeignObjects foreign_objects(sqlite::Connection& connection, const Migrations&
     const auto first = ours.lower_bound({name, ""});
     const bool disguised = first != ours.end() && first->first.first == name;
     (disguised ? found.changed : found.added)
-        .push_back(fmt::format("{} '{}'{} is not of tactbench", type, name,
+        .push_back(fmt::format("{} '{}'{} does not belong to tactbench", type, name,
                                type == "trigger" || type == "index" ? fmt::format(" on '{}'", object.table) : ""));
   }
   return found;
@@ -141,8 +141,8 @@ void refuse_foreign(sqlite::Connection& connection, Additions additions, const M
   if (additions == Additions::kTolerate || found.added.empty()) return;
   throw StoreError(
       "TB-STORE-FOREIGN", fmt::format("store {}: {}", connection.path(), listed(found.added)),
-      "a store takes no tables, indexes, views or triggers of others: drop them, or take your last snapshot; keep your "
-      "own in a file of yours that attaches a copy of the store (sqlite3 own.db \"ATTACH 'copy.db' AS runs\")");
+      "a store must not contain other tables, indexes, views or triggers: drop them, or restore your last snapshot; "
+      "keep your own in another file that attaches a copy of the store (sqlite3 own.db \"ATTACH 'copy.db' AS runs\")");
 }
 
 void migrate(sqlite::Connection& connection, const Migrations& known) {
@@ -160,7 +160,7 @@ void migrate(sqlite::Connection& connection, const Migrations& known) {
 
 namespace {
 
-// A REAL that may be NULL: NULL stands for "not a number", that is, no reading.
+// A REAL that may be NULL: NULL means "not a number": no reading.
 constexpr const char* kTables = R"sql(
 CREATE TABLE sensors (
   serial TEXT PRIMARY KEY NOT NULL CHECK (serial <> ''),

@@ -20,7 +20,7 @@ inline constexpr const char* kDamagedRemedy =
 inline constexpr std::int64_t kFramesPerRun = 1'000'000'000;
 
 // The SQL of each step takes a store from one schema to the next; the first makes the tables. From the first release on
-// no step is edited: a change is a further one.
+// no step is edited: a change is a new step.
 using Migrations = std::vector<std::string>;
 std::string schema_1();
 const Migrations& builtin_migrations();  // kSchemaVersion of them
@@ -31,17 +31,17 @@ void check_version(sqlite::Connection& connection, const Migrations& known = bui
 
 // Differences between the file's tables, indexes, views and triggers and those of `known` for the file's version.
 struct ForeignObjects {
-  std::vector<std::string> changed;  // own ones that are missing or differ: the file cannot even be read
-  std::vector<std::string> added;    // others besides the store's
+  std::vector<std::string> changed;  // objects of the store that are missing or differ: the file cannot be read
+  std::vector<std::string> added;    // objects that do not belong to the store
 };
 ForeignObjects foreign_objects(sqlite::Connection& connection, const Migrations& known = builtin_migrations());
-// Throws TB-STORE-OTHER-SCHEMA where own ones differ, TB-STORE-FOREIGN for additions. Reading tolerates these, since no
-// trigger fires and no view is read.
+// Throws TB-STORE-OTHER-SCHEMA if the store's own objects differ, TB-STORE-FOREIGN for additions. Reading tolerates
+// additions, because no trigger fires and no view is read.
 enum class Additions { kTolerate, kRefuse };
 void refuse_foreign(sqlite::Connection& connection, Additions additions,
                     const Migrations& known = builtin_migrations());
 
-// Takes an empty or older file to the last schema of `known`, in one transaction.
+// Migrates an empty or older file to the last schema of `known`, in one transaction.
 void migrate(sqlite::Connection& connection, const Migrations& known = builtin_migrations());
 
 }  // namespace tactbench::db

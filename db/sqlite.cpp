@@ -46,13 +46,14 @@ struct Meaning {
 
 Meaning meaning_of(int code, int system_error) {
   constexpr Meaning kFull{"TB-STORE-FULL", "there is no room left",
-                          "free space on the disk of the store; what was acknowledged is kept"};
+                          "free space on the disk of the store; all data that was acknowledged is kept"};
   // The operating system's "full" is not always SQLITE_FULL: quota, a limit on file size, no room for the -shm file.
   if (system_error == ENOSPC || system_error == EDQUOT || system_error == EFBIG) return kFull;
   if (code == SQLITE_READONLY_ROLLBACK)
-    return {"TB-STORE-OPEN", "the program that made or migrated this store was killed, and half of that is in the file",
-            "open it once for writing, which takes the half back: repeat what was killed, or tactbench db migrate --db "
-            "FILE"};
+    return {"TB-STORE-OPEN",
+            "the program was killed while it made or migrated this store, so that work is incomplete in the file",
+            "open it once for writing, which undoes the incomplete work: repeat the command, or tactbench db migrate "
+            "--db FILE"};
   switch (code & 0xff) {
     case SQLITE_FULL:
       return kFull;
@@ -63,21 +64,23 @@ Meaning meaning_of(int code, int system_error) {
       return {"TB-STORE-OPEN", "this is not a store of tactbench", "name another file with --db"};
     case SQLITE_CORRUPT:
       return {"TB-STORE-OPEN", "the file is damaged",
-              "keep a copy, take your last snapshot, and check the disk; sqlite3's .recover may save the rest"};
+              "keep a copy, restore your last snapshot, and check the disk; sqlite3's .recover may save the rest"};
     case SQLITE_READONLY:
     case SQLITE_PERM:
     case SQLITE_AUTH:
       return {"TB-STORE-OPEN", "the file or its folder may not be written by this user",
-              "check owner and permissions of the file and of its folder (WAL makes files beside it)"};
+              "check owner and permissions of the file and of its folder (WAL makes files next to it)"};
     case SQLITE_CANTOPEN:
       return {"TB-STORE-OPEN", "the file cannot be opened", "check path, owner and permissions of file and folder"};
     case SQLITE_TOOBIG:
-      return {"TB-STORE-TOO-LARGE", "a text or blob is larger than a store takes",
-              "keep less in one piece; if it came from the store, the file is damaged: take your last snapshot"};
+      return {
+          "TB-STORE-TOO-LARGE", "a text or blob is larger than a store accepts",
+          "store less in one piece; if the text came from the store, the file is damaged: restore your last snapshot"};
     case SQLITE_CONSTRAINT:
       return {"TB-STORE-CONFLICT", "the row contradicts what is stored", "check the values named"};
     default:
-      return {"TB-STORE-SQL", "the database library refused", "check the disk; if it is sound, please report this"};
+      return {"TB-STORE-SQL", "the database library reports an error",
+              "check the disk; if it is sound, please report this"};
   }
 }
 
@@ -158,7 +161,7 @@ void Connection::require_in_place() const {
   gone_reported_ = true;
   throw StoreError("TB-STORE-GONE",
                    fmt::format("store {}: the file was removed, moved, replaced or cut off while it was open", path_),
-                   "leave a store where it is while anything writes to it; put it back, and do it again");
+                   "do not touch a store while a program writes to it; put it back, and repeat the command");
 }
 
 void Connection::disable_triggers_and_views() {

@@ -1,5 +1,5 @@
 // A thin wrapper over SQLite: one connection, prepared statements, transactions. Every failure becomes a StoreError
-// that names the file and a remedy. sqlite3.h is included in sqlite.cpp alone.
+// that names the file and a remedy. Only sqlite.cpp includes sqlite3.h.
 #pragma once
 
 #include <array>
@@ -56,7 +56,7 @@ class Connection {
   [[nodiscard]] const std::string& path() const { return path_; }
   [[nodiscard]] sqlite3* handle() const { return handle_; }
   // TB-STORE-GONE when the file at the path is not the open one, or has lost its end: removed, moved, replaced or cut
-  // off, while SQLite writes on.
+  // off, while SQLite continues to write.
   void require_in_place() const;
   [[noreturn]] void fail(int code, const std::string& doing) const;
 
@@ -92,7 +92,7 @@ class Statement {
     return *this;
   }
   [[nodiscard]] bool step();  // true: a row is available
-  void run();                 // to the end; then ready to be bound again
+  void run();                 // executes to the end; then ready to be bound again
   void reset();               // ready to be bound again
   template <class... Values>
   void read(Values&&... values) const {
@@ -104,7 +104,7 @@ class Statement {
     read_from(column, value);
     return value;
   }
-  // The first value of the first row, or none of a query without a row.
+  // The first value of the first row; none if the query returns no row.
   template <class Value>
   [[nodiscard]] std::optional<Value> first() {
     return step() ? std::optional(value<Value>()) : std::nullopt;

@@ -89,7 +89,7 @@ std::string wrong_in_header(const Header& header) {
   for (const HeaderField& field : kHeaderFields) {
     const std::uint32_t value = number_at(header, field.at, field.bytes);
     if (value == field.value) continue;
-    return fmt::format("in its header the {} is {}, and {} in every store", field.name, value, field.value);
+    return fmt::format("in its header the {} is {}, but {} in every store", field.name, value, field.value);
   }
   const std::uint32_t write = number_at(header, 18, 1), read = number_at(header, 19, 1);
   if (write != read || (read != 1 && read != 2))  // 2: with a write-ahead log
@@ -137,7 +137,7 @@ void refuse_network(const std::string& path) {
   const auto network = network_below(path);
   if (!network) return;
   throw StoreError("TB-STORE-NETWORK",
-                   fmt::format("store {} lies on a network file system ({}), where SQLite's locks and shared memory do "
+                   fmt::format("store {} is on a network file system ({}), where SQLite's locks and shared memory do "
                                "not hold and a store can be damaged",
                                path, *network),
                    "keep the store on a local disk (--db FILE); copy a finished store over the network instead");
@@ -150,16 +150,16 @@ bool is_readable_on_network(const std::string& path) {
   if (fs::file_size(path + "-wal", missing) > 0 && !missing) {
     throw StoreError(
         "TB-STORE-NETWORK",
-        fmt::format("store {} lies on a network file system ({}), and its log ({}-wal) holds rows that are not in "
+        fmt::format("store {} is on a network file system ({}), and its log ({}-wal) holds rows that are not in "
                     "the file yet",
                     path, *network, path),
         "let its writer end, then copy file and log to a local disk and read them there");
   }
-  static std::set<std::string> told;
-  if (const auto& tell = listener(); tell && told.insert(path).second) {
+  static std::set<std::string> warned;
+  if (const auto& tell = listener(); tell && warned.insert(path).second) {
     tell(
-        fmt::format("store {} lies on a network file system ({}): it is read as it is and must not be written "
-                    "meanwhile; copy it to a local disk to work with it",
+        fmt::format("store {} is on a network file system ({}): it is read directly and must not be written meanwhile; "
+                    "copy it to a local disk to work with it",
                     path, *network));
   }
   return true;
@@ -213,7 +213,7 @@ FileKind check_store_file(const std::string& path) {
   if (application != kApplicationId) {
     refuse(fmt::format("an SQLite database of another program (application id {:#010x}, ours is {:#010x})", application,
                        kApplicationId),
-           "name another file with --db; this one was left as it is");
+           "name another file with --db; this one was not changed");
   }
   const std::string wrong = wrong_in_header(header);
   if (!wrong.empty()) {

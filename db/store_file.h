@@ -15,12 +15,12 @@ FileKind check_store_file(const std::string& path);
 
 // Throws TB-STORE-NETWORK with the reason: locks and shared memory of WAL do not work over a network.
 void refuse_network(const std::string& path);
-// For reading. True for a store on a network file system that has no write-ahead log, so that it can be read as it is;
+// For reading. True for a store on a network file system that has no write-ahead log, so that it can be read directly;
 // warns once per store (set_warning_handler). With a log throws TB-STORE-NETWORK. False on a local disk.
 bool is_readable_on_network(const std::string& path);
 
-// Who has locked the store for writing, as the kernel lists it: "python3 (pid 812)"; empty: not known. Opens no file of
-// the store, since closing one would take away this process's own locks (fcntl(2)).
+// The process that has locked the store for writing, according to the kernel: "python3 (pid 812)"; empty: not known.
+// Opens no file of the store, because closing one would release this process's own locks (fcntl(2)).
 std::string writer_of(const std::string& path);
 
 // Name of a network file system, from statfs's magic number and the type in the mount table (for FUSE, where the number

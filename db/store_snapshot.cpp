@@ -131,7 +131,7 @@ std::string RunStore::rescue() const {
   }
   if (whole) return saved;
   fs::remove(saved);
-  throw StoreError("TB-STORE-GONE", "what is left of it is not whole", "take your last snapshot");
+  throw StoreError("TB-STORE-GONE", "the remaining file is not complete", "restore your last snapshot");
 }
 
 std::string backup_path(const std::string& path, int version) {
@@ -156,7 +156,7 @@ int schema_version_of(const std::string& path) {
         "name an existing store");
   }
   refuse_network(path);
-  // With a journal beside it, a store whose making or migration was cut off: SQLite takes the half back.
+  // A journal next to it: the creation or migration was interrupted, and SQLite rolls it back.
   const bool half = fs::exists(path + "-journal");
   sqlite::Connection connection(fs::absolute(path).string(),
                                 half ? sqlite::Access::kReadWrite : sqlite::Access::kReadOnly);

@@ -16,7 +16,7 @@ struct CodePoint {
 // The first sequence of the non-empty `text` (RFC 3629: no overlong forms, no surrogates, at most U+10FFFF).
 CodePoint decode_utf8(std::string_view text);
 
-// True without a visible character: only blanks of any kind, zero-width marks or line ends, or no character at all.
+// True if there is no visible character: only blanks of any kind, zero-width marks or line ends, or an empty text.
 bool is_blank(std::string_view text);
 
 }  // namespace tactbench::db

@@ -1,6 +1,6 @@
 // Process time: the one clock for dwell, settling, creep, watchdogs and time stamps. A rig uses SteadyClock. A
-// simulated rig uses ManualClock: only the sequencer's thread advances it, and it stands still while a request is open,
-// so that the same seed gives the same store.
+// simulated rig uses ManualClock: only the sequencer's thread advances it, and it does not advance while a request is
+// open, so that the same seed gives the same store.
 #pragma once
 
 #include <atomic>

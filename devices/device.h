@@ -38,7 +38,7 @@ class Actuator {
 
 class Fault : public std::runtime_error {
  public:
-  // `remedy` empty: who shows the fault to a person knows one for the id (bench/common/error_table.h).
+  // `remedy` empty: the caller uses the remedy for the id in bench/common/error_table.h.
   Fault(std::string id, std::string device, const std::string& message, std::string remedy = {})
       : std::runtime_error(message), id_(std::move(id)), device_(std::move(device)), remedy_(std::move(remedy)) {}
   [[nodiscard]] const std::string& id() const { return id_; }

@@ -1,5 +1,5 @@
-// Faults injected into a simulated end: before the end answers a request, it asks how to corrupt the reply. The
-// injector is bench/simulation/faults.h; an end applies the faults that exist on its wire.
+// Faults injected into a simulated instrument ("end" of a connection): before it answers a request, it asks how to
+// corrupt the reply. The injector is bench/simulation/faults.h; an end applies the faults that exist on its wire.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,7 @@ enum class InjectedFault {
   kCorrupt,    // a bit of the reply is flipped
   kStale,      // the reply carries old values
   kRefused,    // the device refuses the request
-  kBusy,       // the device does nothing and asks to be asked again
+  kBusy,       // the device does nothing and requests a repetition
   kTorn,       // a part of the reply is missing
   kSaturated,  // the device reports an overloaded transducer
   kUnplugged,  // the wire is disconnected; each end states what that means on its wire

@@ -7,8 +7,8 @@
 
 namespace tactbench::sequences {
 
-// A repeat: tare, then at each position move, approach, up (branch 2 i), down (branch 2 i + 1), retract. A tare at the
-// end shows the drift of the last repeat.
+// A repeat: tare, then at each position move, approach, up (branch 2 i), down (branch 2 i + 1), retract. A final tare
+// shows the drift of the last repeat.
 void add_press(std::vector<Step>& steps, const Recipe& recipe, int sequence);
 std::vector<Step> press_path_to_branch(const Recipe& recipe, int sequence, int repeat, int branch);
 

@@ -15,8 +15,8 @@ struct TimeModel {
   double stiffness_n_per_mm = 20.0;  // of the contact: converts the servo's travel to newtons
 };
 
-// A tenth of the runs should be shorter than `low`, a tenth longer than `high`. For a model these bounds are a
-// judgement: settling takes 0.7 to 2 times its time; `low` omits cycles and warm-up that a criterion may end.
+// 10 % of the runs should be shorter than `low`, 10 % longer than `high`. The model's bounds are estimates: settling
+// takes 0.7 to 2 times its time; `low` omits cycles and warm-up that a criterion may end.
 struct StepTime {
   double low_s = 0.0, likely_s = 0.0, high_s = 0.0;
 };

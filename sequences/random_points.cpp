@@ -34,7 +34,7 @@ void wander(const RandomPoints& of, Draws& draws, std::vector<long>& points) {
   }
 }
 
-// Few presses tell of the whole range where no part of it is left to chance.
+// Few presses cover the whole range only if no part of it is left to chance.
 void presses(const RandomPoints& of, Draws& draws, std::vector<long>& points) {
   const long low = std::max(1L, of.low), levels = of.high - low + 1;
   std::vector<long> heights;

@@ -8,14 +8,14 @@
 
 namespace tactbench::sequences {
 
-// [parameters.NAME]: declares them to the document, applies `overrides` of these names, returns the other ones.
+// [parameters.NAME]: declares them to the document, applies `overrides` with these names, returns the other overrides.
 std::vector<Override> read_parameters(TomlDocument& document, Recipe& recipe, const std::vector<Override>& overrides);
 
 // kind = "levels": unit, turning points or [random], step, ramp, frames of a level, [conditioning], [limits].
 void read_levels(const TomlTable& root, Recipe& recipe);
 void add_levels_keys(std::vector<KeyFacts>& all);
 
-// Rows of both kinds of recipe.
+// Key rows that both kinds of recipe share.
 Key dwell_key(std::vector<double>& dwell_s);
 Key cycles_key(Conditioning& conditioning);
 

@@ -1,5 +1,5 @@
-// The steps that the sequencer executes in order, and their extremes, which are known without a device. `plan` lists
-// them, `run` executes them, and both get them from compile() in recipe.h.
+// The steps that the sequencer executes in order, and their extremes, which can be computed without a device. `plan`
+// lists them, `run` executes them, and both get them from compile() in recipe.h.
 #pragma once
 
 #include <cstddef>
@@ -19,15 +19,15 @@ enum class StepKind {
   kMoveXy,        // without contact, to x_mm, y_mm
   kApproach,      // z down until contact is detected
   kPress,         // servo to force_n, dwell, frame (none where `frame` is false)
-  kRetract,       // z back to clear
+  kRetract,       // z back to the clear position
 };
 const char* to_string(StepKind kind);
 
 struct Step {
   StepKind kind = StepKind::kMeasure;
   int sequence = 0;  // index of the recipe within the run
-  int repeat = 0;    // of a conditioning cycle: the cycle
-  int branch = 0;    // within the repeat; a turning point's frame belongs to the branch that reaches it; -1: a
+  int repeat = 0;    // for conditioning: the cycle
+  int branch = 0;    // within the repeat; the frame of a turning point belongs to the branch that reaches it; -1: a
                      // conditioning cycle, which a criterion may skip
   int ordinal = 0;   // of the frame within the repeat; of a step without a frame: of the next frame
   devices::Psi setpoint;
@@ -37,8 +37,8 @@ struct Step {
   bool settle = true;           // false: the frame is taken as the ramp passes the level, without a band
   bool hold = false;            // a further frame at the same level: no new command, dwell_s after the previous frame
   bool frame = true;            // kPress only: false means travel to the force without a frame
-  double force_n = 0.0, force_from_n = 0.0, force_to_n = 0.0;  // 0 in steps of pressure
-  bool hold_force = false;                                     // servo continues during the dwell; else z stands still
+  double force_n = 0.0, force_from_n = 0.0, force_to_n = 0.0;  // 0 in pressure steps
+  bool hold_force = false;                                     // servo continues during the dwell; else z does not move
   double x_mm = 0.0, y_mm = 0.0;
   std::string text;
   bool operator==(const Step&) const = default;
@@ -47,7 +47,7 @@ struct Step {
 [[nodiscard]] bool has_frame(const Step& step);
 
 // One line that describes a step completely: equal steps give equal lines, different steps different lines. In another
-// unit of pressure to six digits.
+// unit than psi, to six digits.
 std::string step_line(const Step& step, const char* unit = "psi", double per_psi = 1.0);
 
 struct BranchKey {
@@ -55,8 +55,8 @@ struct BranchKey {
   auto operator<=>(const BranchKey&) const = default;
 };
 
-// Steps that belong together: a branch (frames; redone as a whole), a conditioning stretch of one sequence, or the
-// steps between (prompt, tare, home, move, approach, retract). Spans cover all steps, in order.
+// Steps that belong together: a branch (with frames, repeated as a whole), the conditioning cycles of one sequence, or
+// the other steps (prompt, tare, home, move, approach, retract). Spans cover all steps, in order.
 enum class SpanKind { kBranch, kConditioning, kTravel };
 struct BranchSpan {
   SpanKind kind = SpanKind::kBranch;

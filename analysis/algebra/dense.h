@@ -9,13 +9,16 @@ namespace tactbench::analysis {
 // a' a, (columns, columns).
 Eigen::MatrixXd gram_of(const Eigen::MatrixXd& a);
 
-// x of a x = b for a square matrix (LU, partial pivoting). Where a is singular, x means nothing and may not be finite.
+// Solution x of a x = b for a square matrix (LU, partial pivoting). If a is singular, x is meaningless and may not be
+// finite.
 Eigen::VectorXd solve(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
 
-// x of least norm among those with the least |a x - b| (complete orthogonal decomposition); a may lack rank.
+// The x of least norm among those with the least |a x - b| (complete orthogonal decomposition); a may be
+// rank-deficient.
 Eigen::VectorXd least_norm_solution(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
 
-// Of a symmetric matrix, of which the lower half is read: eigenvalues, rising, and a unit eigenvector a column.
+// Of a symmetric matrix (only the lower half is read): eigenvalues in ascending order, and one unit eigenvector per
+// column.
 struct SymmetricEigen {
   Eigen::VectorXd values;
   Eigen::MatrixXd vectors;

@@ -1,5 +1,5 @@
-// Streaming compensator of one taxel: outputs in, inputs out, sample by sample, for any model. The direction comes from
-// the output itself, with a dead band that follows its noise [A13]. Standard library only.
+// Streaming compensator of one taxel: outputs in, inputs out, sample by sample, for any model. The direction of the
+// input is derived from the output, with a dead band that adapts to the noise [A13]. Standard library only.
 #pragma once
 
 #include <memory>
@@ -12,79 +12,84 @@ namespace tactbench::analysis {
 class HysteresisModel;
 
 struct Compensated {
-  double pressure_psi = 0.0;     // the input, in the unit of the model's
-  double uncertainty_psi = 0.0;  // standard: noise, the unknown part of the history, and what the model leaves
-  bool flat = false;             // slope of the curve too small against the noise: the estimate is weak here
-  bool out_of_range = false;     // output beyond what the taxel can give (possible_share): the loop's end, or held
-  bool unknown = false;          // the history is not known yet: midway between its extremes
-  bool held = false;             // no sample, or one that the taxel cannot give: the last reading again
+  double pressure_psi = 0.0;  // estimated input, in the model's unit
+  double uncertainty_psi =
+      0.0;            // standard uncertainty: noise, the unknown part of the history, and the model's residual
+  bool flat = false;  // slope of the curve too small relative to the noise: the estimate is uncertain
+  bool out_of_range =
+      false;  // output beyond the taxel's possible range (possible_share): the reading is the loop's end, or held
+  bool unknown = false;  // the history is not known yet: the reading is midway between the extremes
+  bool held = false;     // no sample, or an impossible one: the last reading is repeated
 };
 
-// At rest at the lowest input, or anywhere in the external loop. Of all histories that end in an output, one that only
-// rose ends highest in input and one that fell from the top ends lowest: both are followed, the estimate lies midway,
-// and the state is unknown until they are close.
+// kAtRest: at rest at the lowest input. kUnknown: anywhere in the external loop. Of all histories that lead to an
+// output, the one that only rose gives the highest input and the one that fell from the top gives the lowest: both are
+// tracked, the estimate is midway between them, and the history is unknown until they are close.
 enum class Start { kAtRest, kUnknown };
 
 class Compensator {
  public:
   virtual ~Compensator() = default;
-  // `seconds` since the sample before; only models with lag and creep look at it. An output that is no number, or that
-  // the taxel cannot give, is held: no turning point, and what follows is as without it. Throws std::invalid_argument
-  // when `seconds` is negative or not finite; the state is then as before.
+  // `seconds` since the previous sample; used only by models with lag and creep. An output that is not a number, or is
+  // impossible for the taxel, is held: it makes no turning point and does not change later results. Throws
+  // std::invalid_argument if `seconds` is negative or not finite; the state is then unchanged.
   virtual Compensated step(double output, double seconds) = 0;
-  // A sample was lost: the next one is taken as it comes, since the output may have gone anywhere meanwhile.
+  // A sample was lost: the next one is accepted without averaging, because the output may have changed arbitrarily
+  // meanwhile.
   virtual Compensated lost(double seconds) = 0;
   virtual void start(Start how) = 0;
-  // work(): for so long the input cycled over its whole range without being measured, and came to rest at the lowest:
-  // conditioning. rest(): the load was removed and the film rested for so long. Both advance lag and creep; rest()
-  // starts at rest.
+  // work(): the input cycled over its whole range for `seconds` without being measured, and ended at rest at the lowest
+  // input (conditioning). rest(): the load was removed and the film rested for `seconds`. Both advance lag and creep;
+  // rest() then starts at rest.
   virtual void work(double seconds) = 0;
   virtual void rest(double seconds) = 0;
-  // `output` is that of the unloaded taxel: it becomes its zero, and the taxel is at rest. False: it would move by more
-  // than tare_share of the span; the zero stays, and the history is unknown.
+  // `output` of the unloaded taxel becomes its zero, and the taxel is at rest. False: the zero would move by more than
+  // tare_share of the span; it is kept, and the history is unknown.
   virtual bool tare(double output) = 0;
-  // Whether `output` is the unloaded one, within the dead band and 1 % of the span.
+  // Whether `output` is the unloaded output, within the dead band and 1 % of the span.
   [[nodiscard]] virtual bool at_rest(double output) const = 0;
   [[nodiscard]] virtual bool ascending() const = 0;
 };
 
-// The defaults of noise and turns were found by a random search over random reversals of 8 synthetic taxels, 1.5 to 32
-// mV of noise and 0.004 to 2 psi a sample; a compromise. Not verified on hardware.
+// The defaults of noise and turns were found by a random search over random reversals of 8 synthetic taxels, with 1.5
+// to 32 mV of noise and 0.004 to 2 psi per sample; they are a compromise. Not verified on hardware.
 struct CompensatorOptions {
-  double moving = 2.4;             // mean square of a sample's step, in noises squared, above which nothing is averaged
-  double jump_in_noises = 5.0;     // a sample this x the noise from the mean before it starts a new mean
-  int longest_mean = 8;            // samples: an output that does not move is averaged over up to this many
-  double lead_in_noises = 1.75;    // the highest of many means lies above the true extreme by this x a mean's noise
-  double band_in_noises = 5.5;     // dead band: a turn is remembered once the mean is this x its noise back
-  double rest_in_noises = 3.0;     // an extreme within this x the noise of where the output came to rest was noise
-  double hold_in_noises = 1.6;     // within this x the mean's noise of the extreme the output has not turned
-  double flat_in_noises = 4.0;     // flat when an output this x the mean's noise off moves the estimate ...
-  double flat_share = 1.0 / 30;    // ... by more than this share of the range of inputs
-  double known_share = 1.0 / 120;  // an unknown start is over when the two histories are within this share of it
-  double tare_share = 0.2;         // of the output's span
-  // A taxel can give outputs of its external loop, and beyond it by drift, this share of the span (at least the dead
-  // band): they read the loop's end, and u has what as much output is worth inside it. What lies beyond is held, unless
-  // it came so often in a row, and one more time, or from nearby.
+  double moving = 2.4;  // mean square of the steps, in units of the noise variance, above which nothing is averaged
+  double jump_in_noises = 5.0;   // a sample further from the mean than this x the noise starts a new mean
+  int longest_mean = 8;          // a constant output is averaged over up to this many samples
+  double lead_in_noises = 1.75;  // the highest of many means exceeds the true extreme by this x the noise of a mean
+  double band_in_noises = 5.5;   // dead band: a turn is stored once the mean has gone back by this x its noise
+  double rest_in_noises = 3.0;   // an extreme within this x the noise of the output's resting value was noise
+  double hold_in_noises = 1.6;   // within this x the mean's noise of the extreme, the output has not turned
+  double flat_in_noises = 4.0;   // flat when an output this x the mean's noise off moves the estimate ...
+  double flat_share = 1.0 / 30;  // ... by more than this share of the range of inputs
+  double known_share =
+      1.0 / 120;  // an unknown start ends when the two histories differ by less than this share of the range of inputs
+  double tare_share = 0.2;  // of the output's span, by which a tare may move the zero
+  // A taxel can give outputs of its external loop and, by drift, outputs beyond it by this share of the span (at least
+  // the dead band): they read as the loop's end, and u includes the input change that an equal change of output means
+  // inside the loop. Outputs further out are held, unless more than longest_spike of them come in a row, or they come
+  // from nearby.
   double possible_share = 0.05;
   int longest_spike = 3;
-  // A turn from rising to falling within `top_share` of the full output, or any beyond, is taken for one at full input
-  // when it is the highest that was seen for long: outputs are scaled so that it is. `top_forget`: how far the highest
-  // goes toward each lower turn within that share. A gain that changed tells of a new mount or of drift: u has
-  // top_doubt x |1 - gain| x the input above the lowest. 0: off.
+  // A turn from rising to falling within `top_share` of the full output, or above it, counts as a turn at full input if
+  // it is the highest for a long time; outputs are then scaled accordingly. `top_forget`: how far the stored highest
+  // moves toward each lower turn within that share. A changed gain indicates a new mount or drift: u includes top_doubt
+  // x |1 - gain| x the input above the lowest. 0: off.
   double top_share = 0.0, top_forget = 0.02, top_doubt = 3.0;
-  // What a film does in time is known in part: u has this share of each creep that is not settled, of the fastest at
-  // least so much of the output (lag is no slower), through the slope.
+  // Creep is known only approximately: u includes, through the slope, the share creep_doubt of each creep element that
+  // has not settled, and for the fastest element at least the share swift_doubt of the output, which covers lag.
   double creep_doubt = 0.08, swift_doubt = 0.02;
 };
 
-// The creep's target is guessed along the slope of the last reading. Where the film is flat that slope says nothing
-// beyond a small piece: it is at most this x the mean one.
+// The target of the creep is extrapolated along the slope of the last reading. If the curve is flat there, the slope
+// holds only for a small piece, so it is limited to this x the mean slope.
 inline constexpr double kSteepestGuess = 4.0;
 
-// CompensatorOptions::top_share where lag and creep are removed.
+// CompensatorOptions::top_share for models with lag and creep.
 inline constexpr double kTopShare = 0.005;
 
-// What remains of lag and creep after the time between two samples; shared by the taxels of an array.
+// Remaining shares of lag and creep after the time between two samples; shared by the taxels of an array.
 struct PassedTime {
   Dynamics dynamics;
   double seconds = -1.0;
@@ -97,17 +102,18 @@ struct PassedTime {
 
 struct CompensatorSetup {
   double zero = 0.0, gain = 1.0;  // output = zero + gain x the model's
-  double noise = 0.0;             // standard deviation of a sample, of the output
-  double highest = 0.0;           // of the external loop as measured, an output of the model; 0: as the model has it
-  // What the model leaves, root mean square, by equal intervals of the inputs: rising, then falling. Empty: not known.
+  double noise = 0.0;             // standard deviation of a sample of the output
+  double highest = 0.0;           // highest output of the measured external loop; 0: use the model's
+  // The model's residual, root mean square, in equal intervals of the inputs: rising, then falling. Empty: not known.
   std::vector<double> residual;
   std::shared_ptr<PassedTime> time;  // null: no lag, no creep
   double creep_scale = 1.0, lag_share = 0.0;
-  double worked_s = 0.0;  // before a start: how long the input went over its range; 0: it rested for long
+  double worked_s = 0.0;  // before a start: how long the input cycled over its range; 0: it had rested for long
   CompensatorOptions options;
 };
 
-// At rest. Keeps a pointer to `model`. Throws std::invalid_argument that says what is not within its bounds.
+// Makes a compensator at rest. Keeps a pointer to `model`. Throws std::invalid_argument that names a value out of
+// bounds.
 std::unique_ptr<Compensator> make_compensator(const HysteresisModel& model, const CompensatorSetup& setup);
 
 }  // namespace tactbench::analysis

@@ -28,7 +28,7 @@ struct tb_compensator {
 
 namespace {
 
-// The text of a refusal, cut to the caller's buffer; gives `code` back.
+// Copies the error text, cut to the caller's buffer; returns `code`.
 int refuse(int code, const char* why, char* message, std::size_t size) {
   if (message != nullptr && size > 0) {
     const std::size_t length = std::min(std::strlen(why), size - 1);
@@ -54,7 +54,7 @@ int created(const std::string& text, unsigned scans, tb_compensator** handle, ch
   }
 }
 
-// `act` once the handle is there; what it throws becomes a code.
+// Calls `act` if the handle is not null; exceptions become error codes.
 template <class Act>
 int guarded(tb_compensator* handle, const Act& act) {
   if (handle == nullptr) return TB_COMPENSATOR_NULL;
@@ -92,7 +92,7 @@ int tb_compensator_load(const char* file, unsigned scans, tb_compensator** handl
     in.exceptions(std::ios::failbit | std::ios::badbit);
     in.open(file, std::ios::binary);
     text.assign(std::istreambuf_iterator<char>(in), {});
-  } catch (const std::exception&) {  // a folder, too
+  } catch (const std::exception&) {  // also for a folder
     return refuse(TB_COMPENSATOR_FILE, "the file cannot be read", message, message_size);
   }
   return created(text, scans, handle, message, message_size);

@@ -1,9 +1,9 @@
 /* The compensator for C, and for languages that can call C (python/tactbench_compensator.py). Link or load
  * libtactbench_compensator.so.1; plain C99, no other header of the project.
  *
- * - Nothing is thrown, nothing is printed. Every function returns TB_COMPENSATOR_OK (0) or a negative code. After a
- *   refusal the state is as before.
- * - All memory is taken while loading. A frame of ELAM or the dynamic model neither allocates nor calls the system.
+ * - Nothing is thrown, nothing is printed. Every function returns TB_COMPENSATOR_OK (0) or a negative code. After an
+ * error the state is unchanged.
+ * - All memory is allocated while loading. A frame of ELAM or the dynamic model neither allocates nor calls the system.
  * - One handle belongs to one thread at a time; different handles are independent.
  * - tb_compensator_destroy(NULL) does nothing.
  */
@@ -28,10 +28,10 @@ extern "C" {
 
 enum tb_compensator_code {
   TB_COMPENSATOR_OK = 0,
-  TB_COMPENSATOR_NULL = -1,  /* a pointer that must not be null is */
-  TB_COMPENSATOR_SIZE = -2,  /* a count is not the taxels' */
-  TB_COMPENSATOR_VALUE = -3, /* a document, see the message; or a time that is negative or infinite */
-  TB_COMPENSATOR_TIME = -4,  /* the model undoes lag and creep, and the time since the frame before is NaN */
+  TB_COMPENSATOR_NULL = -1,  /* a pointer is null that must not be */
+  TB_COMPENSATOR_SIZE = -2,  /* a count differs from the number of taxels */
+  TB_COMPENSATOR_VALUE = -3, /* an invalid document, see the message; or a negative or infinite time */
+  TB_COMPENSATOR_TIME = -4,  /* the model compensates lag and creep, and the time since the previous frame is NaN */
   TB_COMPENSATOR_MEMORY = -5,
   TB_COMPENSATOR_FILE = -6 /* cannot be read */
 };
@@ -39,22 +39,22 @@ enum tb_compensator_code {
 /* Status bits of a taxel in a frame. */
 enum tb_compensator_status {
   TB_TAXEL_VALID = 1,        /* computed from this frame's sample, within the model's range and validity */
-  TB_TAXEL_FLAT = 2,         /* much pressure hides behind little output here: see the uncertainty */
-  TB_TAXEL_OUT_OF_RANGE = 4, /* an output that the taxel cannot give: the loop's end, or the last pressure again.
-                                Not valid, its uncertainty means nothing */
+  TB_TAXEL_FLAT = 2,         /* small slope: a small output change means much pressure, see the uncertainty */
+  TB_TAXEL_OUT_OF_RANGE = 4, /* an impossible output: pressure of the loop's end, or the last pressure repeated. Not
+                                valid, its uncertainty is meaningless */
   TB_TAXEL_DEAD = 8,         /* without a model: lowest pressure, uncertainty the whole span */
   TB_TAXEL_OUTSIDE = 16,     /* conditions outside the model's validity, as set by the caller: not valid */
-  TB_TAXEL_UNKNOWN = 32,     /* history not known yet: midway between its extremes, see the uncertainty */
-  TB_TAXEL_LOST = 64         /* no sample: the last pressure again, not valid */
+  TB_TAXEL_UNKNOWN = 32,     /* history not known yet: pressure midway between its extremes, see the uncertainty */
+  TB_TAXEL_LOST = 64         /* no sample: the last pressure repeated, not valid */
 };
 
 typedef struct tb_compensator tb_compensator;
 
 TB_COMPENSATOR_API uint32_t tb_compensator_abi_version(void);
 
-/* The model in `file`, which `tactbench fit -o` or `tactbench model export` wrote, or its text: any model of a whole
- * array. Its histories are unknown until it is told otherwise. scans: how many are averaged into a frame that is given;
- * 0: as many as in those that were fitted; fewer have more noise. `message` (may be null) gets a text of at most
+/* Loads the model in `file`, written by `tactbench fit -o` or `tactbench model export`, or from its text: any model of
+ * a whole array. The histories are unknown until a function below sets them. scans: number averaged in each frame
+ * passed in; 0: as in the fitted frames; fewer scans have more noise. `message` (may be null) gets a text of at most
  * message_size bytes with its final 0, empty when all is well. */
 TB_COMPENSATOR_API int tb_compensator_load(const char* file, unsigned scans, tb_compensator** handle, char* message,
                                            size_t message_size);

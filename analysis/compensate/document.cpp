@@ -17,7 +17,7 @@ PatternCurve loop_curve(const std::vector<double>& x, std::vector<double> y, dou
   return {x, y, y.front(), y.back()};
 }
 
-// The external loop: of ELAM its patterns, of others what the document holds.
+// The external loop: the patterns of ELAM, for other models the loop in the document.
 std::vector<double> residual_of(const Json& taxel, const Json& document, double zero, double gain) {
   const double scale = taxel.contains("residual_psi") ? json_number(taxel, "residual_psi") : 0.0;
   const Json& model = json_member(taxel, "model");
@@ -104,8 +104,8 @@ DocumentFrames frames_of(const Json& document, int scans) {
 
 std::vector<double> residual_by_level(const PatternCurve& ascending, const PatternCurve& descending, double scale) {
   constexpr std::size_t kLevels = 20;
-  // The flatter the branch, the more input an error of the output is; to a limit, since errors are not of the output
-  // alone.
+  // The flatter the branch, the larger the input error for an output error; limited, because not all errors are output
+  // errors.
   constexpr double kMostOfMean = 4.0, kLeastOfMean = 0.5;
   if (!(scale > 0.0) || ascending.x().size() < 2) return {};
   const double low = ascending.x().front(), high = ascending.x().back();

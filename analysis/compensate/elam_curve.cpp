@@ -51,7 +51,7 @@ CurvePiece ElamStack::piece_of(const Target& last, std::size_t below, double y) 
   const Branch at = branch_at(last, below, y + y0);
   const Target& own = *at.target;
   CurvePiece piece = piece_of(own, y + y0);
-  // Beyond its end the loop is closed and another branch goes on.
+  // Beyond its end the loop is closed and another branch continues.
   if (at.below >= 2 && own.curve.ascending()) piece.high = std::min(piece.high, own.y_end);
   if (at.below >= 2 && !own.curve.ascending()) piece.low = std::max(piece.low, own.y_end);
   for (double* const output : {&piece.low, &piece.high, &piece.y_a}) *output -= y0;
@@ -65,8 +65,8 @@ ElamStack::Way ElamStack::back_from(double y, const CurvePiece& on) const {
   const double x = std::clamp(on.along(y), x0, xu);
   y += y0;
   const bool rises = !last.curve.ascending();
-  // At an end of the range older turning points are forgotten, and a branch that left an end goes to the loop's own,
-  // not to the output measured there: that would take a gain that drifted for one that was fitted.
+  // At an end of the range older turning points are forgotten, and a branch that left an end goes to the output of the
+  // fitted loop, not to the measured output, because otherwise a drifted gain would count as fitted.
   const bool ends = rises ? x <= x0 : x >= xu;
   const bool to_end = ends || (rises ? last.curve.turn_x() >= xu : last.curve.turn_x() <= x0);
   double split = x;

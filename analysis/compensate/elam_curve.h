@@ -1,7 +1,7 @@
 // ELAM as a curve of the compensator: the target curves of its turning points, Eqs (31)-(38), with memory of turns. A
-// branch that turned back from another runs to the turning point before, where the loop closes, both are forgotten and
-// the branch that was left there goes on; the paper's own curve, its outputs scaled so that it meets that point [A10].
-// On branches that leave the external loop it is the paper's curve itself.
+// branch that turned back from another one leads to the previous turning point. There the loop closes, both turns are
+// forgotten and the earlier branch continues. The branch is the paper's curve with its outputs scaled so that it meets
+// that point [A10]; a branch that leaves the external loop is the paper's curve unchanged.
 #pragma once
 
 #include <array>
@@ -15,19 +15,19 @@ namespace tactbench::analysis {
 class ElamStack {
   struct Target {
     ElamCurve curve;
-    double x_end = 0.0, y_end = 0.0;  // where it closes its loop or ends
-    double y_from = 0.0, base = 0.0;  // output of the turn, and the curve's there
-    double per = 1.0;                 // outputs of the curve per output
+    double x_end = 0.0, y_end = 0.0;  // point at which it closes its loop or ends
+    double y_from = 0.0, base = 0.0;  // output at the turn, and the curve's output there
+    double per = 1.0;                 // scale: output of the curve per output
     bool straight = false;
   };
 
  public:
-  // Where the rising curve is nearly flat, an output a few thousandths low (temperature, creep) puts the turn psi below
-  // xu, and the split with it. Within this share of the span below yu the split is taken as that of a turn at xu,
-  // fading out to twice that.
+  // If the rising curve is nearly flat, an output that is too low by a few thousandths (temperature, creep) moves the
+  // turn, and with it the split, several psi below xu. Within this share of the span below yu the split of a turn at xu
+  // is used; its weight fades out up to twice that share.
   static constexpr double kDriftShare = 0.01;
 
-  // A branch that began while the first `below` targets were remembered.
+  // A branch that began when the first `below` targets were stored.
   struct Way {
     Target target;
     std::size_t below = 0;
@@ -48,8 +48,9 @@ class ElamStack {
   [[nodiscard]] CurvePiece piece(const Way& way, double y) const { return piece_of(way.target, way.below, y); }
 
  private:
-  static constexpr std::size_t kMost = 16;  // when full, the last two, the smallest loop, are forgotten
-  // The branch that goes on at y, when it was `last` on the first `below`.
+  static constexpr std::size_t kMost =
+      16;  // when full, the last two turns, which form the smallest loop, are forgotten
+  // The branch that continues at y, given the previous branch `last` and the first `below` targets.
   struct Branch {
     const Target* target;
     std::size_t below;
@@ -60,7 +61,7 @@ class ElamStack {
   [[nodiscard]] CurvePiece piece_of(const Target& last, std::size_t below, double y) const;
 
   const ElamModel* model_;
-  std::size_t below_ = 0;  // the present one, of the targets
+  std::size_t below_ = 0;  // number of targets below the present branch
   std::array<Target, kMost> targets_;
 };
 

@@ -11,14 +11,15 @@ double FrameCompensator::checked(std::size_t outputs, double seconds, const Outp
   const std::size_t count = taxels();
   if (outputs != count || output.pressure_psi.size() != count || output.uncertainty_psi.size() != count ||
       output.status.size() != count)
-    throw std::invalid_argument("frames: the number of samples or of an output's values is not that of the taxels");
+    throw std::invalid_argument(
+        "frames: the number of samples, or of values in an output, differs from the number of taxels");
   if (!begun_) return 0.0;
   if (std::isnan(seconds) && !setup_.in_time) return 0.0;
   if (std::isnan(seconds))
     throw std::invalid_argument(
-        "frames: the model undoes lag and creep, and the time since the frame before is not told");
+        "frames: the model compensates lag and creep, but the time since the previous frame is not given");
   if (seconds < 0.0 || std::isinf(seconds))
-    throw std::invalid_argument("frames: the time since the frame before is negative or infinite");
+    throw std::invalid_argument("frames: the time since the previous frame is negative or infinite");
   return seconds;
 }
 
@@ -78,7 +79,7 @@ void FrameCompensator::work(double seconds) {
 
 std::size_t FrameCompensator::tare(std::span<const float> outputs) {
   if (outputs.size() != taxels())
-    throw std::invalid_argument("frames: the number of samples is not that of the taxels");
+    throw std::invalid_argument("frames: the number of samples differs from the number of taxels");
   std::size_t refused = 0;
   begun_ = false;
   gap_ = 0;

@@ -15,7 +15,7 @@
 namespace tactbench::analysis {
 namespace {
 
-// Bounds on what a document may say, so that no square or quotient of it overflows.
+// Bounds on a document's numbers, so that no square or quotient overflows.
 constexpr double kMost = 1e9, kLeastSpan = 1e-9;
 constexpr double kLeastOutput = 1e-3;  // the full output in noises
 
@@ -30,7 +30,7 @@ void check(const CompensatorSetup& setup) {
   demand(within(std::abs(setup.gain), 1e-9, kMost) && within(std::abs(setup.zero), 0.0, kMost),
          "its gain or zero is not within 1e-9 and 1e9");
   for (const double left : setup.residual) demand(within(left, 0.0, kMost), "its residual is not within 0 and 1e9");
-  demand(setup.residual.size() % 2 == 0, "its residual is not of pairs, rising and falling");
+  demand(setup.residual.size() % 2 == 0, "its residual does not consist of pairs, rising and falling");
   demand(within(setup.worked_s, 0.0, kMost), "the time worked is not within 0 and 1e9 s");
   demand(within(std::abs(setup.highest), 0.0, kMost), "its highest output is not within 1e9");
   const CompensatorOptions& o = setup.options;
@@ -58,7 +58,7 @@ void check(const CompensatorSetup& setup) {
 template <class Curve>
 std::unique_ptr<Compensator> of_curve(Curve curve, const CompensatorSetup& setup) {
   demand(within(curve.x_high() - curve.x_low(), kLeastSpan, kMost) && std::abs(curve.x_low()) <= kMost,
-         "its inputs do not span 1e-9 to 1e9, or begin beyond 1e9");
+         "the span of its inputs is not within 1e-9 and 1e9, or they begin beyond 1e9");
   const double full = curve.top() * std::abs(setup.gain);
   demand(std::isfinite(full) && full > 0.0, "its output does not rise");
   demand(full >= kLeastOutput * setup.noise, "its full output is below a thousandth of its noise");
@@ -78,7 +78,7 @@ std::unique_ptr<Compensator> make_compensator(const HysteresisModel& model, cons
   const auto* const outer = dynamic_cast<const LinearisedModel*>(&model);
   const Divider divider = outer == nullptr ? Divider() : outer->divider();
   const auto* const film = dynamic_cast<const PreisachModel*>(outer == nullptr ? &model : &outer->inner());
-  // The curve counts u from the unloaded output, which a divider does, too.
+  // The curve measures u from the unloaded output, as a divider does.
   if (film != nullptr && (divider.per_amplitude == 0.0 ||
                           std::abs(film->y_low()) <= 1e-9 * film->everett(film->x_high(), film->x_low()))) {
     count_from(divider.zero + (divider.per_amplitude > 0.0 ? 0.0 : film->y_low()));

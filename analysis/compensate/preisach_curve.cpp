@@ -9,7 +9,7 @@ using Film = PreisachCurve::Film;
 // A piece of a branch that rises by less, or by nothing once its corner's output is added, is a step: no slope.
 constexpr double kLeastRise = 1e-20;
 
-// The last k <= most <= n for which `holds`, which is true up to it and false beyond; 0 also when nothing else is.
+// The last k <= most <= n for which `holds` is true; it is true up to k and false beyond. 0 if it is never true.
 template <class Holds>
 std::size_t last_that(std::size_t most, const Holds& holds) {
   std::size_t low = 0, high = most + 1;  // holds below, not at
@@ -62,7 +62,7 @@ CurvePiece piece_of(const Film& e, bool rises, double x0, double u0, double u) {
 
 }  // namespace
 
-// Sums of weights, rounded: of two that are equal one may come out less, and the table does not fall.
+// Sums of weights are rounded: equal ones may differ slightly, but the table must not fall.
 std::shared_ptr<const Film> PreisachCurve::film_of(const PreisachModel& model, const Divider& divider) {
   auto film = std::make_shared<Film>();
   const std::size_t n = model.intervals();
@@ -77,14 +77,14 @@ std::shared_ptr<const Film> PreisachCurve::film_of(const PreisachModel& model, c
       film->everett[place(i, j)] =
           std::max({model.everett(at(i), at(j)), film->everett[place(i - 1, j)], film->everett[place(i, j + 1)]});
   if (film->divider.output(film->top()) * divider.per_amplitude > Divider::kMost)
-    throw std::invalid_argument("its full output exceeds its divider's");
+    throw std::invalid_argument("its full output exceeds the limit of its divider");
   return film;
 }
 
 CurvePiece PreisachCurve::piece(const Way& way, double at) const {
   const Way on = branch_at(way, at);
   CurvePiece piece = piece_of(*film_, on.rises(), on.corner.x, on.corner.u, at);
-  // The next corner wipes it out.
+  // The next corner erases it.
   if (on.rises() && on.below >= 2) piece.high = std::min(piece.high, corners_[on.below - 1].u);
   if (!on.rises() && on.below >= 3) piece.low = std::max(piece.low, corners_[on.below - 1].u);
   return piece;

@@ -1,6 +1,6 @@
-// Preisach's model as a curve of the compensator: Everett's function at grid points, its branches' linear pieces, and
-// the staircase of turning points. Inside, inputs count in intervals of the grid, from 0 to n, and outputs are u, with
-// the readout's divider inverted.
+// Preisach's model as a curve of the compensator: Everett's function at grid points, linear pieces of the branches, and
+// the staircase of turning points. Internally, inputs are in grid intervals, from 0 to n, and outputs are u, with the
+// readout divider inverted.
 #pragma once
 
 #include <algorithm>
@@ -27,12 +27,12 @@ class PreisachCurve {
     [[nodiscard]] double at(std::size_t i, std::size_t j) const { return everett[i * (i + 1) / 2 + j]; }
     [[nodiscard]] double top() const { return at(n, 0); }
   };
-  // Of a model of the divider's u. Throws std::invalid_argument where it has none that a stream can use.
+  // From a model of the divider's u. Throws std::invalid_argument if the model cannot be used for streaming.
   static std::shared_ptr<const Film> film_of(const PreisachModel& model, const Divider& divider);
   struct Corner {
     double x = 0.0, u = 0.0;
   };
-  // The branch from a corner on, which the first `below` are before.
+  // The branch that starts at a corner, after the first `below` corners.
   struct Way {
     Corner corner;
     std::size_t below = 0;
@@ -70,9 +70,10 @@ class PreisachCurve {
   [[nodiscard]] CurvePiece piece(const Way& way, double at) const;
 
  private:
-  static constexpr std::size_t kMost = 24;  // when full, the last two turning points, the smallest loop, are forgotten
+  static constexpr std::size_t kMost =
+      24;  // when full, the last two turning points, which form the smallest loop, are forgotten
 
-  // The branch that goes on at u.
+  // The branch that continues at u.
   [[nodiscard]] Way branch_at(Way way, double at) const {
     while (way.below >= (way.rises() ? 2U : 3U) &&
            (way.rises() ? at > corners_[way.below - 1].u : at < corners_[way.below - 1].u))
@@ -82,8 +83,9 @@ class PreisachCurve {
 
   std::shared_ptr<const Film> film_;
   double per_interval_;
-  Way last_;                             // the present branch
-  std::array<Corner, kMost> corners_{};  // turning points, minima even and maxima odd, the first the low end
+  Way last_;  // the present branch
+  std::array<Corner, kMost>
+      corners_{};  // turning points: even indices minima, odd ones maxima; the first is the low end
 };
 
 }  // namespace tactbench::analysis

@@ -11,13 +11,13 @@ namespace tactbench::analysis {
 
 class StateCurve {
  public:
-  // From a turn at y and x, where the state stands.
+  // A branch that starts at a turn at y and x, the position of the state.
   struct Way {
     std::shared_ptr<const ModelState> state;
     bool rises = true;
     double y = 0.0, x = 0.0;
   };
-  // `highest`: output of the loop as measured, where the model's own may be off.
+  // `highest`: output of the measured loop, because the model's own may be wrong.
   StateCurve(const HysteresisModel& model, double highest) : model_(&model) {
     const auto virgin = model.state();
     low_ = virgin->output_at(model.x_low());
@@ -48,7 +48,7 @@ class StateCurve {
   }
   void turn(const Way& way) { at_ = way; }
   [[nodiscard]] CurvePiece piece(double y) const { return piece(at_, y); }
-  // Of no length: the branch's inverse at y.
+  // A piece of length zero: the branch's inverse at y.
   [[nodiscard]] CurvePiece piece(const Way& way, double y) const {
     if (way.rises ? y <= way.y : y >= way.y) return {y, y, y, way.x, 0.0};
     return {y, y, y, way.state->input_at(low_ + y), 0.0};

@@ -1,5 +1,5 @@
-// Converts outputs to inputs for any curve, which holds a model's memory at the last remembered turn. A curve
-// counts outputs from that of the lowest input, and has
+// Converts outputs to inputs for any curve. A curve holds a model's memory at the last stored turn. It measures outputs
+// from the output at the lowest input, and has
 //   top(), x_low(), x_high()    output at the highest input; ends of the inputs
 //   place(y), stretch(y)        the output u in which its branches are linear; slope of the inputs over a piece's
 //   output(u)                   the y that has it
@@ -10,11 +10,11 @@
 //   back_from(u, piece)         the Way back that begins there, on that piece, and of which piece(way, u) is one
 //   turn(way)                   the branch turned, and that way is the present one
 //
-// An output that moves by more than its noise from sample to sample is taken as it comes; one that does not is averaged
-// over up to 8 samples. Behind the furthest mean since the last turn lie three zones, as wide as that mean's noise:
-// "held" reads the present branch; further back the estimate reads the way back from the extreme at once, so that rise
-// and fall are treated in the same way, but that turn is tentative; only beyond the dead band is it remembered. Wiggles
-// inside leave no memory, and a slow fall is not averaged away, since the extreme never comes back.
+// An output that moves by more than its noise between samples is used directly; otherwise it is averaged over up to 8
+// samples. Behind the furthest mean since the last turn there are three zones, scaled by that mean's noise. In the
+// first, "held", the present branch is read. In the second, the way back from the extreme is read, so that rise and
+// fall are treated equally, but the turn is tentative. Beyond the dead band the turn is stored. So wiggles within the
+// dead band leave no memory, and a slow fall is not averaged away, because the extreme is kept.
 #pragma once
 
 #include <algorithm>
@@ -137,7 +137,7 @@ class TurningCompensator final : public Compensator {
     dynamics_ = {};
     if (time_) work_unseen(time_->dynamics, dynamics_, worked_s_, span_);
     last_x_ = last_slope_ = last_y_ = 0.0;
-    last_factor_ = extreme_factor_ = 1.0;  // of no account until a reading has a slope
+    last_factor_ = extreme_factor_ = 1.0;  // without effect until a reading has a slope
     last_ = {x_low_, unknown_ ? span_ : std::sqrt(squared_residual(0.0)), false, false, unknown_, false};
   }
 
@@ -166,20 +166,20 @@ class TurningCompensator final : public Compensator {
   [[nodiscard]] bool ascending() const override { return ascending_; }
 
  private:
-  // The mean square of the steps is a running one over this many samples, each counted up to a ceiling, so that a halt
-  // is detected soon after a fast move.
+  // The mean square of the steps is a running one over this many samples, each limited to a ceiling, so that a halt is
+  // detected soon after a fast move.
   static constexpr double kStepWindow = 24.0, kStepCeiling = 14.0;
-  static constexpr double kNoNoise = 1e30;      // stands for 1 / 0 where there is no noise: any step is a move
-  static constexpr double kLeastNoise = 1e-12;  // of the output at the top: that of a sample without noise
+  static constexpr double kNoNoise = 1e30;      // replaces 1 / 0 if there is no noise: any step is a move
+  static constexpr double kLeastNoise = 1e-12;  // of the output at the top: used for a sample without noise
   static constexpr double kAtRestShare = 0.01;
   static constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
 
-  // One history: its curve, the way back from a turn that is not remembered yet, and what was read of them last.
+  // One history: its curve, the way back from a turn that is not stored yet, and the last pieces read.
   struct Branch {
     CurvePiece here = {}, there = {};
-    double slope_at = kNowhere, slope = 0.0;  // steepest within the flat criterion's step, x a y
+    double slope_at = kNowhere, slope = 0.0;  // steepest slope within the flat criterion's step, x per y
     double back_slope_at = kNowhere, back_slope = 0.0;
-    double back_from = kNowhere;  // the output of the way back's turn
+    double back_from = kNowhere;  // the output at the turn of the way back
     typename Curve::Way back = {};
     Curve curve;
     explicit Branch(Curve own) : curve(std::move(own)) {}
@@ -204,7 +204,7 @@ class TurningCompensator final : public Compensator {
       here = curve.piece(u);
       back_from = slope_at = kNowhere;
     }
-    // `piece`: the last one that was read, `here` or on the way back.
+    // `piece`: the last piece read, `here` or on the way back.
     double read(CurvePiece& piece, bool on_back, double y) const {
       const double u = curve.place(y);
       if (!piece.holds(u)) piece = on_back ? curve.piece(back, u) : curve.piece(u);
@@ -222,7 +222,7 @@ class TurningCompensator final : public Compensator {
     void find_back(double from) {
       if (back_from == from) return;
       const double u = curve.place(from);
-      back = curve.back_from(u, u > here.low && u < here.high ? here : curve.piece(u));  // at an end the next's
+      back = curve.back_from(u, u > here.low && u < here.high ? here : curve.piece(u));  // at an end, the next piece
       back_from = from;
       there = {};
       back_slope_at = kNowhere;
@@ -231,7 +231,7 @@ class TurningCompensator final : public Compensator {
       find_back(from);
       return read(there, true, y);
     }
-    // Within half the step it is taken as the same.
+    // Within half the step the same value is used.
     double steepest_at(double y, double off) {
       if (off <= 0.0) return 0.0;
       if (!(std::abs(y - slope_at) <= 0.5 * off)) {
@@ -260,12 +260,12 @@ class TurningCompensator final : public Compensator {
     return time_ ? &time_->after(seconds) : nullptr;
   }
 
-  // What lies beyond the possible is a spike, unless it came from the end nearby or stays: then it is the loop's end.
+  // An impossible output is a spike, unless it came from the nearby end or persists: then it counts as the loop's end.
   bool accepted_though_beyond(double& y) {
     const double end = y > top_ ? top_ : 0.0;
     const bool nearby = started_ && (y > top_ ? mean_ >= end - band_ : mean_ <= end + band_);
     if (std::isnan(y) || (!nearby && ++spikes_ <= options_.longest_spike)) return false;
-    y = y > top_ ? std::max(end, mean_) : std::min(end, mean_);  // not back from where it was already
+    y = y > top_ ? std::max(end, mean_) : std::min(end, mean_);  // never back from the present mean
     return true;
   }
 
@@ -316,8 +316,8 @@ class TurningCompensator final : public Compensator {
     }
   }
 
-  // The nearer to the extreme of the mean and the mean as measured then, with the creep of the extreme undone: what
-  // creep alone moves is no turn.
+  // Of the mean and the mean corrected for the creep since the extreme, the one nearer to the extreme: a movement by
+  // creep alone is not a turn.
   [[nodiscard]] double nearer_mean() const {
     const double measured = mean_ * last_factor_ / extreme_factor_;
     return ascending_ ? std::max(mean_, measured) : std::min(mean_, measured);
@@ -343,14 +343,14 @@ class TurningCompensator final : public Compensator {
       take_extreme();
       return;
     }
-    // It came to rest so near that the extreme was noise.
+    // The output came to rest so near that the extreme was noise.
     const bool rested = weight_ <= least_weight_ && extreme_weight_ > weight_ && behind2 <= rest2_;
     if (ahead < 0.0 && !rested) return;
     take_extreme();
     back_ = false;
   }
 
-  // At a turn from rising to falling, before it is remembered.
+  // To be called at a turn from rising to falling, before it is stored.
   void observe_top() {
     const double measured = turn_ / scale_, share = options_.top_share;
     if (share <= 0.0 || measured < (1.0 - share) * top_) return;
@@ -376,19 +376,20 @@ class TurningCompensator final : public Compensator {
     return now;
   }
 
-  // `noise2`: the part of the uncertainty squared that is the noise's.
+  // `noise2`: the noise's part of the squared uncertainty.
   Reading read(Branch& branch, double& noise2) {
     branch.x(mean_);
     double steepest = branch.steepest_at(mean_, off_);
     if (decided_ && (back_ || held_)) {
-      // It may have turned already: then the way back shows how much input hides behind the noise.
+      // The output may have turned already: then the way back shows how much input corresponds to the noise.
       steepest = std::max(steepest, branch.steepest_back(turn_, mean_, off_));
       if (back_) branch.x_back(turn_, mean_);
     }
     noise2 = stated_noise_ * stated_noise_ * weight_ * steepest * steepest;
     Reading now = read_again(branch, noise2);
     if (const double end = std::clamp(mean_, 0.0, top_), off = mean_ - end; std::abs(off) > band_) {
-      // Drift, or an input beyond the range, which is off by what as much output is worth inside it.
+      // Drift, or an input beyond the range: the error is the input change that an equal change of output means inside
+      // the range.
       CurvePiece at = branch.here;
       const double clamped = branch.read(at, false, end) - branch.read(at, false, end - off);
       now.squared += clamped * clamped;
@@ -396,16 +397,17 @@ class TurningCompensator final : public Compensator {
     return now;
   }
 
-  // On the pieces that were found last.
+  // Reads on the pieces found last.
   Reading read_again(const Branch& branch, double noise2) const {
     const double u = branch.curve.place(mean_), x = branch.curve.input(branch.here.along(u));
     if (!back_) return {x, branch.here.slope * branch.curve.stretch(mean_), noise2};
     const double there = branch.curve.input(branch.there.along(u));
-    const double doubt = (there - x) * (1.0 / 3.4641016151377544);  // turned or not: anywhere between, / sqrt(12)
+    const double doubt =
+        (there - x) * (1.0 / 3.4641016151377544);  // turned or not: uniform distribution between the two, / sqrt(12)
     return {there, branch.there.slope * branch.curve.stretch(mean_), noise2 + doubt * doubt};
   }
 
-  // From which to which mean a further reading finds the same pieces, slopes and zone.
+  // The range of means for which a further reading finds the same pieces, slopes and zone.
   void find_reusable_range() {
     reusable_from_ = kNowhere;
     if (weight_ > least_weight_ || extreme_weight_ > weight_ || unknown_ || !(held_ || back_) ||
@@ -425,7 +427,7 @@ class TurningCompensator final : public Compensator {
     within(low_.curve.output(low_.here.low), low_.curve.output(low_.here.high));
     if (back_) within(low_.curve.output(low_.there.low), low_.curve.output(low_.there.high));
     within(-band_, top_ + band_);
-    const double little = 1e-6 * off_;  // more than these ends are rounded by
+    const double little = 1e-6 * off_;  // larger than the rounding of these ends
     for (double* const from : {&reusable_from_, &nearer_from_}) *from += little;
     for (double* const to : {&reusable_to_, &nearer_to_}) *to -= little;
   }
@@ -442,7 +444,7 @@ class TurningCompensator final : public Compensator {
     }
     now.x = 0.5 * (now.x + low.x);
     noise2_ = std::max(noise2_, noise2);
-    // Half the distance, since ELAM's inner curves may leave the space between the two.
+    // Half the distance, because ELAM's inner curves may leave the area between the two.
     now.squared = std::max(now.squared, low.squared) + 0.25 * apart * apart;
   }
 
@@ -454,7 +456,7 @@ class TurningCompensator final : public Compensator {
     return left * left + changed * changed;
   }
 
-  // Share of the output in doubt, since creep may take it yet or has not taken where it was read.
+  // Uncertain share of the output: creep that is still to come, or that had not happened when it was read.
   [[nodiscard]] double unsettled_share(double pressure) const {
     const double target = creep_target(time_->dynamics, pressure);
     double sum = 0.0;
@@ -462,7 +464,8 @@ class TurningCompensator final : public Compensator {
     return sum;
   }
 
-  // What each sample needs stands together, first in order of use: an array's state goes through the cache each frame.
+  // Members that each sample needs are adjacent and in order of use, because an array's state passes through the cache
+  // in each frame.
   std::shared_ptr<PassedTime> time_;
   double creep_scale_, lag_share_;
   std::array<double, kCreepElements> creep_doubt_{};  // of each element's share of the output
@@ -480,13 +483,13 @@ class TurningCompensator final : public Compensator {
   bool started_ = true;  // false: no sample yet
   bool decided_ = true;  // false: rises or falls, not known yet
   bool ascending_ = true;
-  bool held_ = true, back_ = false;              // advanced by no more than noise; behind the extreme by more
-  int spikes_ = 0;                               // in a row
-  double steps_ = 0.0;                           // running mean square of the steps, in noises squared
-  double mean_ = 0.0, weight_ = 1.0;             // and the last sample's weight in it: 1 over their number
+  bool held_ = true, back_ = false;   // held_: moved by no more than the noise; back_: behind the extreme by more
+  int spikes_ = 0;                    // in a row
+  double steps_ = 0.0;                // running mean square of the steps, in noises squared
+  double mean_ = 0.0, weight_ = 1.0;  // weight_: of the last sample in the mean, 1 / number of samples
   double extreme_ = 0.0, extreme_weight_ = 1.0;  // furthest mean since the last turn
-  double extreme_factor_ = 1.0;                  // creep's there
-  double turn_ = 0.0;                            // it without its lead
+  double extreme_factor_ = 1.0;                  // creep factor there
+  double turn_ = 0.0;                            // the extreme without its lead
   std::vector<double> residual_;
   Compensated last_;
   Branch low_, high_;  // high_: of an unknown history, the one that fell from the top

@@ -1,5 +1,5 @@
-// Figures of a run as JSON, for verbs and for the data of reports. The run itself is not included: a verb adds its
-// number, a report its title.
+// Figures of a run as JSON, for verbs and for the data of reports. The run itself is not included: a verb adds the
+// run's number, a report its title.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -1,5 +1,5 @@
-// A run and its sensor as JSON. All outputs use these keys for the facts of a run: `runs show --json` and other verbs,
-// `runs export`, the data of reports and the attributes of HDF5 files.
+// A run and its sensor as JSON. All outputs use these keys for the facts about a run: `runs show --json` and other
+// verbs, `runs export`, the data of reports and the attributes of HDF5 files.
 #pragma once
 
 #include <map>
@@ -12,7 +12,7 @@
 
 namespace tactbench::analysis {
 
-// Of the schema tactbench.run, a run exported as JSON or HDF5. 2: the root of an HDF5 file has these keys, too.
+// Version of the schema tactbench.run, a run exported as JSON or HDF5. 2: the root of an HDF5 file also has these keys.
 inline constexpr int kRunSchemaVersion = 2;
 
 // Every key is always present. Empty texts: not known; `overrides` and `rest_s` are then null. Instruments'
@@ -22,8 +22,8 @@ nlohmann::ordered_json run_json(const db::RunRecord& run, std::span<const Instru
 
 nlohmann::ordered_json sensor_json(const db::SensorRecord& sensor);
 
-// Metadata of a run as KEY=VALUE pairs: lot, order and others. They are those of its tags that contain "="; like all
-// tags they are remarks and not part of its content (db/hash_chain.h).
+// Metadata of a run as KEY=VALUE pairs: lot, order and others. They are the run's tags that contain "="; like all tags
+// they are remarks and not part of the run's content (db/hash_chain.h).
 
 std::map<std::string, std::string> metadata_of(const db::RunRecord& run);
 

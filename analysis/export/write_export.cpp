@@ -113,7 +113,7 @@ static inline void tb_lost_frame(tb_state* state, uint16_t* pressures, uint16_t*
                      kind);
 }
 
-// What stands in a comment or string of C.
+// Text for a comment or string of C.
 std::string plain(const std::string& text) {
   std::string safe = or_not_stated(text);
   std::ranges::replace_if(

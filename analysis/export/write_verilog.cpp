@@ -104,7 +104,8 @@ std::vector<ExportedFile> verilog_files(const SensorModel& model, const FixedMod
            "`define TB_PLACE_SHIFT {}\n`define TB_EXACT_OUTER {}\n`define TB_WORDS {}\n`define TB_HASH 32'h{:08x}\n",
            m.taxels, m.knots, m.flip, m.count_shift, m.place_shift, m.exact_outer, words.size(), m.hash)},
       {"tb_model.mem", memory}};
-  for (const char* const own : {"tb_elam.v", "tb_steps.vh", "tb_direction.vh", "tb_memory.v", "tb_bench.v", "tb_pins.v"})
+  for (const char* const own :
+       {"tb_elam.v", "tb_steps.vh", "tb_direction.vh", "tb_memory.v", "tb_bench.v", "tb_pins.v"})
     files.push_back({own, std::string(device_file(own))});
   files.push_back({"vectors.csv", vectors_of(fixed, kFrames)});
   files.push_back({"README.md", readme_text(model, fixed, program_version)});

@@ -8,7 +8,7 @@
 namespace tactbench::analysis {
 
 struct Congruency {
-  Divider divider;         // per_amplitude 0 where inverting a divider does not help, or nothing can tell
+  Divider divider;         // per_amplitude 0 if inverting a divider does not help, or the data cannot show it
   int pairs = 0;           // crossings of first-order falls and rises that were compared
   double plain_rms = 0.0;  // misfit of their predictions in outputs, nothing undone
   double rms = 0.0;        // and with `divider`

@@ -18,7 +18,7 @@ struct History {
   std::string name;
   std::vector<double> x, y;
   std::vector<Branch> branches;  // indices into x and y; the turning sample ends one branch and starts the next
-  // Of each sample, where the source tells: its time, and how long its input had been commanded.
+  // Of each sample, if the source has them: its time, and how long its input had been commanded.
   std::vector<double> time_s = {}, held_s = {};
 };
 
@@ -41,7 +41,7 @@ struct IdentifyOptions {
   int starts = 16;  // GPI: of the search
   int cells = 30;   // Preisach: intervals of the input range
   bool by_input = false;  // Preisach: errors count as inputs, by the local slope, not as outputs
-  // The model is one of the output with its readout divider inverted, where the congruency test tells its amplitude
+  // The model is one of the output with its readout divider inverted, if the congruency test shows its amplitude
   // (linearised_identifier.h).
   bool linearise = false;
 };

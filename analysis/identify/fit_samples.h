@@ -13,7 +13,7 @@ namespace tactbench::analysis {
 
 // A history that does not begin at the lowest input was reached from there by one rise, or from the highest input by
 // one fall where its first branch falls. Between two turning points only the way from the branch's first sample counts:
-// a measured input that steps back within a branch is no turn.
+// a measured input that steps back within a branch makes no turn.
 struct FitSamples {
   struct Part {
     bool ascending = true;

@@ -57,7 +57,7 @@ struct HistoriesOptions {
   double turn = -1.0;   // an input that goes back by more has turned; negative: by more than seven times the noise of
                         // the inputs, and 0.1 % of their span
   double noise = -1.0;  // of the outputs; negative: from differences within the branches that are fitted
-  bool timed = false;   // histories tell their times, which have to be there: TB-MODEL-DYNAMIC
+  bool timed = false;   // histories must have times: TB-MODEL-DYNAMIC
 };
 
 // Throws AnalysisError, TB-ANALYSIS-NO-TAXEL when no taxel can be fitted.

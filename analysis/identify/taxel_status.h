@@ -15,7 +15,7 @@ const char* to_string(TaxelStatus status);  // fitted, dead, stuck, saturated, u
 inline constexpr double kDeadV = 0.05;       // an output that spans less is dead (near 0 V) or stuck
 inline constexpr double kUnfitShare = 0.10;  // a mean error above this share of the taxel's full scale is unfit
 
-// Of one taxel's outputs as measured, before those of a falling sensor are negated: kSaturated (also one that stands at
+// Of one taxel's outputs as measured, before those of a falling sensor are negated: kSaturated (also one that is at
 // the converter's limit for ever), kDead, kStuck, or kFitted. Dead: lowest and highest output are both nearer to 0 V
 // than `dead_v`.
 struct OutputRange {

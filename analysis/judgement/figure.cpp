@@ -44,7 +44,7 @@ std::string pressures_of(const Scope& scope, PressureUnit unit) {
                                            : unit.short_span(scope.low_psi, scope.high_psi);
 }
 
-// "275.8 kPa" with what belongs to it behind.
+// "275.8 kPa" followed by direction and share.
 std::string with_rest(const Scope& scope, std::string text) {
   if (scope.direction != Direction::kBoth) text += scope.direction == Direction::kUp ? " increasing" : " decreasing";
   if (scope.share < 1.0) text += fmt::format(", {:g} %", 100.0 * scope.share);
@@ -161,8 +161,8 @@ JudgedFigure figure_of(const db::VerdictRecord& record) {
   if (!criterion || !kind || !direction || !rule || !verdict)
     throw db::StoreError(
         "TB-STORE-SQL",
-        fmt::format("a verdict on run {} has a word that this program does not know: {}, {}, {}, {}, {}", record.run,
-                    record.criterion, record.scope_kind, record.direction, record.rule, record.verdict),
+        fmt::format("a verdict on run {} contains a word that this program does not know: {}, {}, {}, {}, {}",
+                    record.run, record.criterion, record.scope_kind, record.direction, record.rule, record.verdict),
         "judge the run again: tactbench judge MODEL RUN --limits FILE");
   JudgedFigure figure;
   figure.criterion = *criterion;

@@ -22,10 +22,10 @@ struct SourceNames {
 };
 constexpr std::array<SourceNames, kSources.size()> kSourceNames = {{
     // by Source
-    {"history", "every judged run repeats the fitted set-points: nothing is known of other inner branches"},
-    {"re-mounting", "no judged run and no study is of the sensor mounted anew"},
+    {"history", "every judged run repeats the fitted set-points: errors on other inner branches are not known"},
+    {"re-mounting", "no judged run and no study has the sensor re-mounted"},
     {"temperature", "no judged run and no study is at another temperature"},
-    {"time", "no judged run is a day or more apart from that of the models"},
+    {"time", "no judged run is a day or more apart from the run of the models"},
     {"creep", "no study holds the load for longer than the runs do"},
     {"age of the reference's calibration",
      "neither its date nor its due date is stated: its drift cannot be scaled with time"},
@@ -35,7 +35,7 @@ bool counts(const EvidenceRun& run) {
   return run.counts == EvidenceRun::Counts::kYes || run.counts == EvidenceRun::Counts::kVoidOnRequest;
 }
 
-// Errors against the reference rest on it; differences and counts do not.
+// Errors against the reference depend on it; differences and counts do not.
 bool is_traceable(const Figure& figure, const ReferenceUncertainty& reference) {
   if (!reference.untraced() || quantity_of(figure.criterion) != Quantity::kPressure) return true;
   return is_per_reading(figure.criterion) && !reference.overdue && reference.holds_at(figure.scope.low_psi) &&
@@ -83,7 +83,7 @@ class Judging {
     out.verdict = verdict_of(out.rule, out.value, limit, out.u.expanded);
     if (out.verdict == Verdict::kReportOnly) return out;
     if (!counts(run) || !is_traceable(out, run.reference)) out.verdict = Verdict::kInconclusive;
-    // What was stored by the same limits stands where it is worse: a laboratory file may not be there any more. Of two
+    // A stored verdict by the same limits is kept if it is worse, because a laboratory file may be missing now. Of two
     // fits with the same models the newer one counts.
     const JudgedFigure* stands = nullptr;
     for (const JudgedFigure& stored : evidence_.stored)
@@ -94,7 +94,7 @@ class Judging {
     return out;
   }
 
-  // The measured level that the limits mean; theirs where there is none.
+  // The measured level that the limits mean; the level of the limits if none was measured.
   static double level_near(const EvidenceRun& run, double pressure_psi) {
     double nearest = pressure_psi, off = kTypedLevelPsi;
     for (const Figure& figure : run.figures) {
@@ -158,11 +158,11 @@ const char* why_not_assessed(Source source) { return kSourceNames.at(static_cast
 std::string display_text(const Remark& remark, PressureUnit unit) {
   switch (remark.kind) {
     case Remark::Kind::kNoIndependentData:
-      return "no independent data: the figures are of the run that the models were made from";
+      return "no independent data: the figures come from the run from which the models were made";
     case Remark::Kind::kModelsVoid:
       return display_text(remark.voided) + ", and the models were made from it";
     case Remark::Kind::kOnVoid:
-      return "the run, or the one that the models were made from, was declared void";
+      return "the run, or the one from which the models were made, was declared void";
     case Remark::Kind::kVoidCounted:
       return display_text(remark.voided) + "; --void-too includes it";
     case Remark::Kind::kVoidLeftOut:
@@ -170,7 +170,7 @@ std::string display_text(const Remark& remark, PressureUnit unit) {
     case Remark::Kind::kStoredOnVoid:
       return fmt::format("the models were judged on run {}, but {}", remark.run, display_text(remark.voided));
     case Remark::Kind::kOtherModels:
-      return fmt::format("fit {} of run {} was judged, which has other models", remark.fit, remark.run);
+      return fmt::format("the judged fit {} of run {} has other models", remark.fit, remark.run);
     case Remark::Kind::kNotTraceable:
       break;
   }
@@ -179,7 +179,7 @@ std::string display_text(const Remark& remark, PressureUnit unit) {
 }
 
 std::optional<Verdict> worst_of(std::span<const JudgedFigure> figures) {
-  std::optional<Verdict> worst;  // none is better than any
+  std::optional<Verdict> worst;  // none ranks better than any verdict
   for (const JudgedFigure& figure : figures) worst = std::max(worst, std::optional(figure.verdict));
   return worst;
 }
@@ -255,7 +255,7 @@ std::string condition_text(const Judgement& judgement, PressureUnit unit) {
   if (judgement.overall == Verdict::kInconclusive && judgement.untraced)
     return ": " + display_text(*judgement.untraced, unit);
   std::string words;
-  if (judgement.rests_on_means_alone) words += ", of means alone: no limit on single readings";
+  if (judgement.rests_on_means_alone) words += ", for means only: no limit applies to single readings";
   if (passes(judgement.overall) && !judgement.not_assessed.empty()) words += ", under repeatability conditions only";
   return words;
 }

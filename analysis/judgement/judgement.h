@@ -1,6 +1,7 @@
-// Derives verdicts from evidence: Evidence (runs, which of them count, why others do not) -> judge(Evidence, Limits) ->
-// Judgement, which is stored, printed, rendered. Pure functions. Runs that the models were made from, including those
-// for lag and creep of a dynamic model, would look too good and are no evidence; nor is a void run.
+// Derives verdicts from evidence: Evidence (the runs, which of them count, and why others do not) -> judge(Evidence,
+// Limits) -> Judgement, which is stored, printed, rendered. Pure functions. Runs from which the models were made,
+// including those for lag and creep of a dynamic model, would give too small errors and are not evidence. A void run is
+// not evidence either.
 #pragma once
 
 #include <array>
@@ -19,14 +20,14 @@
 
 namespace tactbench::analysis {
 
-// Dominant sources of error in use. Each is assessed when a judged run shows it or a study is in the budgets.
+// Dominant sources of error in use. Each is assessed if a judged run shows it or the budgets contain a study of it.
 enum class Source { kHistory, kRemounting, kTemperature, kTime, kCreep, kReferenceAge };
 inline constexpr std::array kSources = {Source::kHistory, Source::kRemounting, Source::kTemperature,
                                         Source::kTime,    Source::kCreep,      Source::kReferenceAge};
 const char* to_string(Source source);         // "re-mounting"
-const char* why_not_assessed(Source source);  // "no judged run and no study is of the sensor mounted anew"
+const char* why_not_assessed(Source source);  // "no judged run and no study has the sensor re-mounted"
 
-// Who declared a run void, when and why.
+// A void run: who declared it void, when and why.
 struct VoidRun {
   std::int64_t run = 0;
   std::string by, utc, reason;
@@ -38,13 +39,13 @@ std::string display_text(const VoidRun& run);
 // A statement in addition to the verdicts, or in place of them.
 struct Remark {
   enum class Kind {
-    kNoIndependentData,  // there are only runs that the models were made from
-    kModelsVoid,         // `voided` is what the models were made from
-    kOnVoid,             // stored verdicts rest on a void run, which is not known any more
-    kVoidCounted,        // `voided` counts on request
-    kVoidLeftOut,        // `voided` was to be judged
+    kNoIndependentData,  // there are only runs from which the models were made
+    kModelsVoid,         // the models were made from `voided`
+    kOnVoid,             // stored verdicts are based on a void run that is not known any more
+    kVoidCounted,        // the void run `voided` counts on request
+    kVoidLeftOut,        // the void run `voided` was not judged
     kStoredOnVoid,       // the models were judged on `voided`
-    kOtherModels,        // `fit` of `run` was judged, which has other models
+    kOtherModels,        // `fit` of `run`, with other models, was judged
     kNotTraceable,       // errors of `run` against the reference are not traceable: `untraced`
   };
   Kind kind = Kind::kNoIndependentData;
@@ -56,24 +57,25 @@ std::string display_text(const Remark& remark, PressureUnit unit);
 
 // A run that may be judged.
 struct EvidenceRun {
-  enum class Counts { kYes, kVoidOnRequest, kVoid, kUsedByModels };  // kUsedByModels: also what lag and creep are from
+  enum class Counts { kYes, kVoidOnRequest, kVoid, kUsedByModels };  // kUsedByModels: also for lag and creep
   std::int64_t run = 0;
   Counts counts = Counts::kYes;
   VoidRun voided = {};
-  std::vector<Figure> figures;     // all that limits may ask for; empty for a run that does not count
-  ReferenceUncertainty reference;  // on the run's day
+  std::vector<Figure> figures;     // all figures that limits may require; empty for a run that does not count
+  ReferenceUncertainty reference;  // valid on the day of the run
   JudgedTrajectory trajectory;
-  std::set<Source> shows = {};  // in which it differs from the run of the models; kReferenceAge: a date is stated
+  std::set<Source> shows =
+      {};  // sources in which it differs from the run of the models; kReferenceAge: a date is stated
 };
 
 struct Evidence {
-  std::int64_t fit = 0, model_run = 0;  // of the models
-  std::vector<VoidRun> models_void;     // what the models were made from and was declared void
-  bool void_too = false;                // void runs were asked for
+  std::int64_t fit = 0, model_run = 0;  // fit and run of the models
+  std::vector<VoidRun> models_void;     // void runs from which the models were made
+  bool void_too = false;                // void runs were requested
   std::vector<EvidenceRun> runs;
-  std::set<Source> studied;          // by further runs, in the budgets
-  std::vector<JudgedFigure> stored;  // verdicts on the same models that still count
-  std::vector<Remark> lost;          // why stored verdicts do not
+  std::set<Source> studied;          // sources that further runs assessed in the budgets
+  std::vector<JudgedFigure> stored;  // valid stored verdicts on the same models
+  std::vector<Remark> lost;          // why other stored verdicts are not valid
 };
 
 struct JudgedRun {
@@ -83,32 +85,33 @@ struct JudgedRun {
 };
 
 struct Judgement {
-  std::vector<JudgedFigure> figures;  // of each run in turn, in the order of the limits; none without limits
-  // Inconclusive when the figures are not judged, fail when a stored verdict is fail, else the worst figure's; none
-  // without limits.
+  std::vector<JudgedFigure> figures;  // run by run, in the order of the limits; none without limits
+  // Inconclusive if the figures are not judged, fail if a stored verdict is fail, else the verdict of the worst figure;
+  // none without limits.
   std::optional<Verdict> overall;
-  std::optional<Remark> not_judged;         // why the figures are no evidence: then each is inconclusive
-  std::vector<JudgedRun> runs;              // in the order of the figures; none when not judged
-  std::vector<std::int64_t> decided_by;     // the runs whose verdict is the worst, by number
-  std::optional<std::size_t> deciding;      // in `figures`: of the worst verdict the one furthest beyond its limit
-  std::optional<std::size_t> closest_pass;  // of those that pass the one closest to its limit
-  bool rests_on_means_alone = false;        // it passes, and no requirement is on single readings ([[mpe]])
-  std::vector<Source> not_assessed;         // with any, a pass is one under repeatability conditions only (VIM 2.20)
-  std::optional<TraceabilityGap> untraced;  // of the first run whose errors against the reference are not traceable
-  // Stored verdicts on these models that are worse than the figures': by other limits, or on runs left out.
+  std::optional<Remark> not_judged;      // why the figures are not evidence: then each is inconclusive
+  std::vector<JudgedRun> runs;           // in the order of the figures; empty if not judged
+  std::vector<std::int64_t> decided_by;  // runs with the worst verdict, by number
+  std::optional<std::size_t>
+      deciding;  // index in `figures`: the one furthest beyond its limit among those with the worst verdict
+  std::optional<std::size_t> closest_pass;  // index of the passed figure closest to its limit
+  bool rests_on_means_alone = false;        // it passes, and no requirement applies to single readings ([[mpe]])
+  std::vector<Source> not_assessed;         // if not empty, a pass holds under repeatability conditions only (VIM 2.20)
+  std::optional<TraceabilityGap> untraced;  // for the first run with untraceable errors against the reference
+  // Stored verdicts on these models that are worse than those of the figures: by other limits, or on runs left out.
   std::vector<JudgedFigure> stored_worse;
   std::vector<Remark> remarks;
   std::vector<VoidRun> void_counted;
-  std::string limits_name, limits_toml, limits_sha256;  // what was judged by; empty: nothing
+  std::string limits_name, limits_toml, limits_sha256;  // the limits used; empty: none
 };
 
-// What the limits do not ask for is left out; what they ask for and no run has is a figure that was not measured, and
-// inconclusive. Errors against a reference that was overdue, or beyond its certificate, are inconclusive, whatever U
-// and limit say; differences and counts are not concerned. Where no run counts, the first one's figures are listed.
+// Figures without a limit are left out. A figure with a limit that no run has is listed as not measured and
+// inconclusive. Errors against a reference that was overdue, or used beyond its certificate, are inconclusive whatever
+// U and limit are; differences and counts are not affected. If no run counts, the figures of the first run are listed.
 Judgement judge(const Evidence& evidence, const Limits& limits);
 
-// Of figures with their verdicts, such as stored ones: what follows from them alone (overall, runs, decided_by,
-// deciding, closest_pass, rests_on_means_alone). not_judged and stored_worse count when they are given.
+// Computes, from figures that have verdicts (such as stored ones), the members that follow from them: overall, runs,
+// decided_by, deciding, closest_pass, rests_on_means_alone. not_judged and stored_worse are taken into account if set.
 void conclude(Judgement& judgement);
 
 // The worst of the verdicts; none without figures.
@@ -117,10 +120,10 @@ std::optional<Verdict> worst_of(std::span<const JudgedFigure> figures);
 // Text after the verdict itself: ", under repeatability conditions only", ", of means alone", ": reference overdue
 // since ..."; empty: none.
 std::string condition_text(const Judgement& judgement, PressureUnit unit);
-// The overall verdict as a statement: "pass, under repeatability conditions only"; empty without one.
+// The overall verdict as a statement: "pass, under repeatability conditions only"; empty without a verdict.
 std::string statement_text(const Judgement& judgement, PressureUnit unit);
-// Of a pass by [[mpe]] the kinds of history that no judged run's U was counted for: "held pressures"; empty: none, or a
-// stored verdict, which does not tell.
+// For a pass by [[mpe]]: the kinds of history for which no judged run has U: "held pressures". Empty: none, or a stored
+// verdict, which does not record them.
 std::vector<std::string> kinds_left_open(const Judgement& judgement);
 // "re-mounting; temperature"; empty: all are assessed.
 std::string not_assessed_text(const Judgement& judgement);

@@ -27,14 +27,13 @@ Dataset repeat_of(const Dataset& dataset, std::size_t repeat) {
   return one;
 }
 
-// Its sequences of more than one repeat.
+// The sequences with more than one repeat.
 Dataset repeated_of(Dataset dataset) {
   std::erase_if(dataset.sequences, [](const SequenceData& data) { return data.repeats.size() < 2; });
   return dataset;
 }
 
-// The figures of each repeat by itself: of the run judged, or of what the models' run repeats where that has one
-// repeat.
+// The figures of each repeat separately: of the judged run, or of the models' run if the judged run has one repeat.
 class RepeatScatter {
  public:
   RepeatScatter(const Dataset& judged, const Dataset& models, const SensorModel& fit, int threads,
@@ -49,10 +48,10 @@ class RepeatScatter {
     };
     if (!own && !shared.repeats) shared.repeats = evaluated(repeated_of(models));
     repeats_ = own ? evaluated(judged) : *shared.repeats;
-    run_ = own ? "the run judged" : "the run of the models, for the run judged has one repeat";
+    run_ = own ? "the judged run" : "the run of the models, because the judged run has one repeat";
   }
 
-  // Of a mean of absolute errors: pooled over the taxels. Also of one taxel's.
+  // Scatter of a mean of absolute errors, also of one taxel, pooled over the taxels.
   [[nodiscard]] FigureScatter errors() const {
     std::vector<std::vector<double>> rows;
     for (const Evaluation& evaluation : repeats_) rows.push_back(evaluation.taxel_mean_error_psi);
@@ -95,8 +94,8 @@ FigureUncertainty unknown(std::string why) {
   return u;
 }
 
-constexpr const char* kOneRepeat = "neither the run judged nor that of the models has two repeats";
-constexpr const char* kOneSweep = "neither the run judged nor that of the models has two full sweeps at its levels";
+constexpr const char* kOneRepeat = "neither the judged run nor that of the models has two repeats";
+constexpr const char* kOneSweep = "neither the judged run nor that of the models has two full sweeps at its levels";
 
 std::string limits_sentence(const ReferenceUncertainty& reference) {
   constexpr std::array<const char*, kReferenceParts> kNames = {"voltage input", "hysteresis", "zero", "temperature"};
@@ -127,14 +126,14 @@ FigureUncertainty error_uncertainty(const FigureScatter& scatter, const Referenc
                   shares, firm);
 }
 
-// Of a difference between readings at one level, in which the reference's error cancels, but for its hysteresis where
-// they were reached in two directions. `hysteresis`: its half-width to each side, as a share of full pressure.
+// Of a difference between readings at one level, in which the reference's error cancels, except for its hysteresis
+// where they were reached in two directions. `hysteresis`: its half-width to each side, as a share of full pressure.
 FigureUncertainty difference_uncertainty(const FigureScatter& scatter, double hysteresis = 0.0) {
   if (!scatter.known()) return unknown(kOneSweep);
   std::vector<VarianceShare> shares = {{scatter.u, scatter.dof}};
   if (hysteresis > 0.0) shares.push_back({2.0 * hysteresis / std::numbers::sqrt3, kInfiniteDof});
-  return expanded(fmt::format("the reference's error cancels{}; {}", hysteresis > 0.0 ? " but for its hysteresis" : "",
-                              scatter.words),
+  return expanded(fmt::format("the reference's error cancels{}; {}",
+                              hysteresis > 0.0 ? " except for its hysteresis" : "", scatter.words),
                   shares, shares);
 }
 

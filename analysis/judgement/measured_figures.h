@@ -1,4 +1,4 @@
-// Computes the figures of an evaluated run that limits can be set for, each with its U.
+// Computes the figures of an evaluated run for which limits can be set, each with its U.
 #pragma once
 
 #include <fmt/format.h>
@@ -24,14 +24,14 @@
 
 namespace tactbench::analysis {
 
-// Results of the models' run that several judged runs share, computed when the first one needs them.
+// Results of the models' run that several judged runs share, computed on first use.
 struct ModelRunResults {
-  std::optional<SweepErrors> sweeps;               // outputs rising
-  std::optional<std::vector<Evaluation>> repeats;  // each by itself
+  std::optional<SweepErrors> sweeps;               // for rising outputs
+  std::optional<std::vector<Evaluation>> repeats;  // each repeat evaluated separately
 };
 
-// All but kMpe (mpe.h), kMismatch on every level in both directions. `evaluation` is that of `judged`, `reference` is
-// the one of its run. U by criterion:
+// All criteria except kMpe (mpe.h); kMismatch at every level in both directions. `evaluation` and `reference` belong to
+// `judged`. U by criterion:
 //   kMeanError, kWorstTaxelError   a common error of the reference moves them by at most itself (triangle inequality):
 //                                  c = 1, not known without a certificate. Scatter: of a taxel from repeat to repeat,
 //                                  pooled over the taxels, / sqrt(repeats)
@@ -39,9 +39,8 @@ struct ModelRunResults {
 //                                  mean from full sweep to full sweep, pooled over the levels
 //   kMismatch                      likewise; scatter of the figure from full sweep to full sweep
 //   kUnfitTaxels                   a count by rule: U = 0
-// Pooling (moments.h) states its own degrees of freedom (JCGM 100, H.3.6). The scatter is that of `judged`, or
-// of `models` (the run that they were made from) where `judged` has one repeat, or one full sweep. Throws as
-// evaluate().
+// Pooling (moments.h) states its own degrees of freedom (JCGM 100, H.3.6). The scatter is that of `judged`, or of
+// `models` (the run from which they were made) if `judged` has only one repeat or one full sweep. Throws as evaluate().
 std::vector<Figure> measured_figures(const Dataset& judged, const Dataset& models, const SensorModel& fit,
                                      const Evaluation& evaluation, const ReferenceUncertainty& reference,
                                      int threads = 0, ModelRunResults* shared = nullptr);
@@ -60,11 +59,11 @@ inline FigureScatter quotient(double s, double dof, std::size_t judged, std::str
   return {s / std::sqrt(static_cast<double>(std::max<std::size_t>(1, judged))), dof, std::move(words)};
 }
 
-// Full sweeps as the sample: a repeat may hold several. Of the run judged, or of the models' run where that has fewer
-// than two a branch.
+// The full sweeps are the sample, because a repeat may contain several. From the judged run, or from the models' run if
+// the judged one has fewer than two sweeps per direction.
 class SweepScatter {
  public:
-  // `of_models`: of the models' run, filled in when needed.
+  // `of_models`: results of the models' run, filled in when needed.
   SweepScatter(const Dataset& judged, const Dataset& models, const SensorModel& fit, int threads,
                std::optional<SweepErrors>& of_models)
       : fitted_(fit), range_psi_(fit.pressure_psi.back()) {
@@ -77,7 +76,8 @@ class SweepScatter {
     run_ = own ? "the run judged" : "the run of the models";
   }
 
-  // Of the distance of the array's mean, loading from unloading, pooled over the levels; share of full pressure.
+  // Scatter of the distance between loading and unloading of the array's mean, pooled over the levels; share of full
+  // pressure.
   [[nodiscard]] FigureScatter distance() const {
     const auto mean = [this](const std::vector<double>& errors) { return mean_of(errors) / range_psi_; };
     const PooledScatter up = pooled_scatter(by_sweep(true, mean)), down = pooled_scatter(by_sweep(false, mean));
@@ -92,8 +92,8 @@ class SweepScatter {
                         up.rows, down.rows, run_, dof, judged_up, judged_down)};
   }
 
-  // Of the standard deviation over the taxels at one level; share of full pressure. At a level that not every sweep
-  // passes, such as a turning point, that of the others, pooled.
+  // Scatter of the standard deviation over the taxels at one level; share of full pressure. At a level that not every
+  // sweep passes, such as a turning point, the pooled scatter of the other levels.
   [[nodiscard]] FigureScatter mismatch(double pressure_psi, bool up) const {
     const LevelReadings* const level = level_of(sweeps_, pressure_psi, up);
     const std::size_t sweeps = most(sweeps_, up), judged = most(judged_, up);
@@ -129,7 +129,7 @@ class SweepScatter {
   [[nodiscard]] double spread(const std::vector<double>& errors) const {
     return errors.size() < 2 ? 0.0 : sample_deviation(errors) / range_psi_;
   }
-  // Sweeps x levels: `figure` of the taxels' errors; only levels that every sweep passes.
+  // Sweeps x levels: `figure` computed from the taxels' errors; only levels that every sweep passes.
   template <class OfErrors>
   [[nodiscard]] std::vector<std::vector<double>> by_sweep(bool up, const OfErrors& figure) const {
     std::vector<std::vector<double>> rows(most(sweeps_, up));

@@ -69,7 +69,7 @@ bool counts_for(const Limits::Mpe& mpe, const LevelErrors& level) {
   return level.pressure_psi >= mpe.low_psi - kTypedLevelPsi && level.pressure_psi <= mpe.high_psi + kTypedLevelPsi;
 }
 
-// Of the conditions that rest on the judged run those that U is valid for.
+// The conditions derived from the judged run for which U is valid.
 std::vector<const ConditionUncertainty*> valid_for(std::int64_t run, const Uncertainty* readings) {
   std::vector<const ConditionUncertainty*> valid;
   if (readings == nullptr) return valid;
@@ -83,10 +83,10 @@ std::string why_not_known(std::int64_t run, const Uncertainty* readings) {
     for (const ConditionUncertainty& each : readings->conditions)
       if (std::ranges::find(each.runs, run) != each.runs.end())
         return fmt::format("U of a reading is not valid for {}: {}", each.name, each.not_valid);
-  return fmt::format("run {} has no history that tells U of a reading", run);
+  return fmt::format("run {} has no kind of history from which U of a reading follows", run);
 }
 
-// The largest |known error| + U over the kinds; NaN where none says anything.
+// The largest |known error| + U over the kinds; NaN if none covers the level.
 double most_at(std::span<const ConditionUncertainty* const> kinds, const LevelErrors& level, std::size_t taxel) {
   double most = kNan;
   for (const ConditionUncertainty* kind : kinds) {
@@ -142,8 +142,8 @@ std::vector<MpeFigure> mpe_figures(const Dataset& judged, const SensorModel& fit
     if (std::isfinite(guarded))
       figure.expanded_psi = guarded - figure.value_psi;
     else
-      figure.not_known = kinds.empty() ? why_not_known(judged.run, readings)
-                                       : "no valid kind of history says anything of a level of the span";
+      figure.not_known =
+          kinds.empty() ? why_not_known(judged.run, readings) : "no valid kind of history covers a level of the span";
     figures.push_back(std::move(figure));
   }
   return figures;
@@ -156,8 +156,8 @@ std::vector<Figure> judged_mpe(std::span<const MpeFigure> figures) {
     out.u = {figure.expanded_psi, 0.5 * figure.expanded_psi, kInfiniteDof, 2.0, {}, figure.not_known, figure.counted};
     if (!std::isnan(figure.expanded_psi))
       out.u.basis = fmt::format(
-          "known |error| + U of one taxel's reading at its level and direction, the largest over {}, before the share "
-          "of taxels is taken; the value is the mean |error| that this share of the taxels does not exceed",
+          "known |error| + U of one taxel's reading at its level and direction, the largest over {}, computed before "
+          "the share of taxels; the value is the mean |error| that this share of the taxels does not exceed",
           figure.kinds);
   }
   return all;

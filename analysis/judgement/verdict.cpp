@@ -19,18 +19,18 @@ struct DecisionRuleText {
 };
 
 constexpr std::array<DecisionRuleText, 5> kDecisionRules = {{
-    {DecisionRule::kDefault, "default", "four-way where the uncertainty is known, simple where it is not"},
+    {DecisionRule::kDefault, "default", "four-way if the uncertainty is known, simple if it is not"},
     {DecisionRule::kSimple, "simple",
      "pass when the value is at most the limit. The uncertainty is not taken into account (w = 0): for a value at the "
      "limit the risk of a false acceptance, and of a false rejection, is up to 50 %"},
     {DecisionRule::kGuarded, "guarded",
      "pass when the value is at most the limit less U (guard band w = U), else fail. The risk of a false acceptance is "
-     "below 2.5 %; a value within U below the limit is rejected, which is more likely wrong than right"},
+     "below 2.5 %; a value within U below the limit is rejected although it more probably conforms"},
     {DecisionRule::kFourWay, "four-way",
      "pass up to the limit less U, conditional pass up to the limit, conditional fail up to the limit plus U, fail "
      "above (w = U). The risk of a false acceptance is below 2.5 % for a pass and up to 50 % for a conditional pass; "
      "the risk of a false rejection is below 2.5 % for a fail and up to 50 % for a conditional fail"},
-    {DecisionRule::kReportOnly, "report-only", "values and limits are reported, conformity is not stated"},
+    {DecisionRule::kReportOnly, "report-only", "values and limits are reported; conformity is not stated"},
 }};
 
 const DecisionRuleText& text_of(DecisionRule rule) { return kDecisionRules.at(static_cast<std::size_t>(rule)); }

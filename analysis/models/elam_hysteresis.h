@@ -11,7 +11,7 @@
 namespace tactbench::analysis {
 
 // Without `memory` (the paper, [A10]) a turn forgets all older ones: every branch runs to (x0, y0) or (xu, yu). With
-// it, turning points stand on a stack: a branch runs to the turning point before the last, where it closes the inner
+// it, turning points are kept on a stack: a branch runs to the turning point before the last, where it closes the inner
 // loop, forgets both (wiping-out) and continues along the branch that was left there. The closing branch is the paper's
 // curve, its ordinates scaled linearly so that it meets that point.
 inline constexpr std::array<std::vector<double> ElamPieces::*, 4> kElamSides = {

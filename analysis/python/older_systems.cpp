@@ -1,5 +1,5 @@
-// For the shared library in the wheel alone: calls whose newest version Debian 12's libraries would ask for, bound to
-// versions that older systems have. The linker's --wrap sends the calls here (wheel.cmake).
+// Only for the shared library in the wheel: binds calls to versions that older systems have, instead of the newest
+// version in Debian 12. The linker's --wrap sends the calls here (wheel.cmake).
 #if !defined(__x86_64__)
 #error "the versions below are those of glibc on x86-64"
 #endif
@@ -20,9 +20,9 @@ double __wrap_hypot(double x, double y);
 
 double __wrap_exp(double x) { return exp_2_2_5(x); }
 double __wrap_hypot(double x, double y) { return hypot_2_2_5(x, y); }
-// libstdc++ has it from GCC 11 on; what it throws is a bad_alloc, too.
+// libstdc++ has it from GCC 11 on; it throws a bad_alloc, as here.
 [[noreturn]] void __wrap__ZSt28__throw_bad_array_new_lengthv() { throw std::bad_alloc(); }
-// glibc has it from 2.32 on, and shared pointers look at it: they count for several threads, always.
+// glibc has it from 2.32 on, and shared pointers read it; false means that they always count atomically.
 [[gnu::visibility("hidden")]] char __libc_single_threaded = 0;
 
 }  // extern "C"

@@ -26,7 +26,7 @@ void check_sensor(const db::RunRecord& run, const db::RunRecord& further) {
                       "a report is of one sensor: see --compare and --batch for several");
 }
 
-// Trajectories are told apart by their sequence's name.
+// Trajectories are distinguished by their sequence's name.
 void add_applied(ReportInput& input, const Dataset& dataset, bool verification) {
   for (const SequenceData& sequence : dataset.sequences) {
     const bool known = std::ranges::find(input.applied, sequence.name, &AppliedPressures::title) != input.applied.end();

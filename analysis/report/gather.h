@@ -1,4 +1,4 @@
-// Collects a report's input from a run, apart from models, figures and verdicts.
+// Collects a report's input from a run, except for models, figures and verdicts.
 #pragma once
 
 #include <cstdint>
@@ -12,13 +12,14 @@
 #include "analysis/report/run_log.h"
 #include "analysis/statistics/studies/press_run.h"
 
-// Cache of the runs that one command uses, each read from the store once: its row on first use, everything else with
-// the first result that needs it. Functions take a Runs instead of a store and a run number.
+// Cache of the runs that one command uses, each read from the store once: the row on first use, all other data with the
+// first result that needs them. Functions take a Runs instead of a store and a run number.
 
 namespace tactbench::analysis {
 
 // For one command and one thread. A result does not change after the first call; references are valid as long as the
-// Runs. The frames are not kept: they need more memory than all the results. `store` must outlive the Runs.
+// Runs object. The frames are not kept, because they need more memory than all results. `store` must outlive the
+// object.
 class Runs {
  public:
   explicit Runs(const db::RunStore& store) : store_(store) {}
@@ -28,15 +29,15 @@ class Runs {
   [[nodiscard]] const db::RunStore& store() const { return store_; }
   // The run's row. Throws StoreError TB-STORE-NOT-FOUND.
   const db::RunRecord& record(std::int64_t run);
-  // Results of load_dataset, load_press_runs, load_run_log and temperatures_of. An exception of theirs is thrown at
-  // each call; StoreError when the run cannot be read. The history is without the sensor's earlier seating.
+  // Results of load_dataset, load_press_runs, load_run_log and temperatures_of. Their exceptions are thrown at each
+  // call; StoreError if the run cannot be read. The history does not contain the sensor's earlier seating.
   const Dataset& dataset(std::int64_t run);
   const std::vector<PressRun>& press_runs(std::int64_t run);
   const RunLog& history(std::int64_t run);
   const std::vector<double>& temperatures_c(std::int64_t run);
 
  private:
-  // A value, or the exception in its place.
+  // A value, or the exception of its computation.
   template <class Value>
   struct Result {
     std::optional<Value> value;
@@ -71,7 +72,7 @@ class Runs {
 // `run`; fit and evaluation, if any, must be in `input` before. Throws StoreError, AnalysisError.
 void gather_run(ReportInput& input, Runs& runs, std::int64_t run, const std::vector<std::int64_t>& further = {});
 
-// The taxels of raw figures: those with a model; without models those that the health check accepts.
+// The taxels used for raw figures: those with a model; if there are no models, those that the health check accepts.
 std::vector<int> counted_taxels(const SensorModel& fit, const Health& health);
 
 }  // namespace tactbench::analysis

@@ -15,8 +15,8 @@
 namespace tactbench::analysis {
 namespace {
 
-// Content (docs/rules.md, Runs) is everything but UUID, wall-clock times, host, tags, notes. The run's own number is
-// left out too: it stands before the hash, and the same run in another store has another one.
+// Content (docs/rules.md, Runs) is everything except UUID, wall-clock times, host, tags, notes. The run's number is
+// also left out, because the same run has another number in another store.
 void keep_content_only(db::RunRecord& run) {
   run.run = 0;
   run.rest_s.reset();
@@ -39,7 +39,7 @@ ReportInput content_of(const ReportInput& input) {
   return content;
 }
 
-// Figures and verdicts; names no run but in words typed by people.
+// Figures and verdicts; names runs only in typed texts.
 std::string results_text(const ReportInput& input) {
   using Writer = std::string (*)(const ReportInput&);
   static constexpr std::pair<const char*, Writer> kSections[] = {
@@ -97,8 +97,8 @@ Page page_frame(const ReportInput& input, const Issue& issue) {
   return page;
 }
 
-// Of a calibration the second page begins anew; then each part follows the one before it, and tables and figures that
-// are not cut move to the next page where they have to.
+// In a calibration report the second page starts a new page; then the parts follow each other, and unbreakable tables
+// and figures move to the next page if necessary.
 doc::Document body_of(const PageData& data) {
   doc::Document body = front_page(data);
   const bool calibrated = data.readings.has_value();
@@ -141,7 +141,8 @@ Report render_report(const ReportInput& input) {
   Page page = page_frame(input, issue);
   const PageData data{input, reading_figures(input), issue};
   page.body = to_html(body_of(data), input.unit);
-  // Whose report the file holds: another one of the same run is written over it, one of another store's run is not.
+  // Identifies the report in the file: another report of the same run may replace it, a report of another store's run
+  // may not.
   const std::string short_data = fmt::format("{},\"identification\":{{\"run_uuid\":{},\"approvals\":{}}}}}", head,
                                              json_text(input.run.uuid), approvals_json(input));
   page.json = short_data;

@@ -1,5 +1,5 @@
-// One self-contained HTML calibration report of at most six pages, annexes apart: no script, inline SVG, well-formed
-// XML; and its data as JSON, which the report's number is a hash of. Same input, same bytes.
+// One self-contained HTML calibration report of at most six pages plus annexes: no script, inline SVG, well-formed XML;
+// and its data as JSON, whose hash is part of the report's number. The same input gives the same bytes.
 #pragma once
 
 #include <array>
@@ -29,7 +29,7 @@ struct HeldOut {
   Evaluation evaluation;
 };
 
-// The pressures of one sequence over time, of its first repeat.
+// The pressures of one sequence over time, from its first repeat.
 struct AppliedPressures {
   std::string title;  // the sequence
   bool verification = false;
@@ -40,10 +40,10 @@ struct AppliedPressures {
 struct ReportInput {
   db::RunRecord run;  // the characterization
   std::optional<db::SensorRecord> sensor;
-  SensorModel fit;        // without taxels: no models, and the sections that need some say so
-  Evaluation evaluation;  // the fit's own run; without levels: not evaluated
+  SensorModel fit;        // without taxels: there are no models, and the sections that need them say so
+  Evaluation evaluation;  // on the run of the fit; without levels: not evaluated
   std::vector<HeldOut> held_out;
-  std::vector<db::RunRecord> further;  // of the same sensor, for creep, mounts, objects
+  std::vector<db::RunRecord> further;  // further runs of the same sensor, for creep, mounts, objects
   Judgement judgement;
   std::optional<Uncertainty> uncertainty;  // of a reading of this run's taxels
   std::string program_version;
@@ -54,20 +54,21 @@ struct ReportInput {
   Behaviour behaviour;
   Laboratory laboratory;
   std::vector<std::string> method;          // how each sequence was carried out, pressures in psi; empty: not known
-  std::vector<AppliedPressures> applied;    // each trajectory once
-  std::vector<std::string> annexes;         // by name; no part of the content
-  std::vector<db::ReportRecord> approvals;  // of this run's reports, oldest first; no part of the content
-  std::string issued;                       // date of issue as typed; empty: that of the approval
-  std::string reason;                       // why a draft replaces an approved report; no part of the content
-  PaperSize paper = PaperSize::kA4;         // no part of the content
-  PressureUnit unit;  // of the pressures on the page; no part of the content, as the data stay in psi
+  std::vector<AppliedPressures> applied;    // one entry per distinct trajectory
+  std::vector<std::string> annexes;         // by name; not part of the content
+  std::vector<db::ReportRecord> approvals;  // of this run's reports, oldest first; not part of the content
+  std::string issued;                       // date of issue as typed; empty: date of the approval
+  std::string reason;                       // why a draft replaces an approved report; not part of the content
+  PaperSize paper = PaperSize::kA4;         // not part of the content
+  PressureUnit unit;  // of the pressures on the page; not part of the content, because the data stay in psi
 };
 
 struct Report {
   std::string number;  // run number + first 8 hex digits of the content hash
   std::string content_sha256;
   std::string html;
-  std::string json;  // the data: schema tactbench.report, version, number, ...; the page has its first members alone
+  std::string
+      json;  // the data: schema tactbench.report, version, number, ...; the page contains only the first members
 };
 
 // Whether `input` carries a signature for report `number`.

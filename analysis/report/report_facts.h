@@ -1,4 +1,4 @@
-// Facts about a report's input that several of its pages state.
+// Facts about a report's input that several pages use.
 #pragma once
 
 #include <span>
@@ -13,22 +13,22 @@ namespace tactbench::analysis {
 const char* direction_text(bool up);              // "increasing", "decreasing" pressure
 std::string moment_text(const std::string& utc);  // "2024-05-06 07:08:09Z"
 std::string date_of(const std::string& utc);      // "2024-05-06"; "not stated"
-std::string model_name(const SensorModel& fit);   // "ELAM" for the paper's, else as tables name it
+std::string model_name(const SensorModel& fit);   // "ELAM" for the paper's model, else the name used in tables
 
 bool is_simulated(const ReportInput& input);
-// The word "certificate" is allowed: an accreditation number and uncertainties are stated, the data are real, the
-// pressure is traceable to a certificate of its reference that was in date.
+// Whether the document may be called a certificate: an accreditation number and uncertainties are stated, the data are
+// not simulated, and the pressure is traceable to a certificate of the reference that was valid.
 bool is_certificate(const ReportInput& input);
-// U of a reading is valid for some kind of history; else a document is a test report.
+// Whether U of a reading is valid for some kind of history; else the document is a test report.
 bool states_uncertainty(const ReportInput& input);
-std::string model_sha256(const SensorModel& fit);  // of all parameters and patterns, bit for bit
-// A pressure reference that is a device of its own, not the regulator's feedback.
+std::string model_sha256(const SensorModel& fit);  // hash of all parameters and patterns, bit for bit
+// Whether the run had a separate pressure reference, not only the regulator's feedback.
 bool has_reference(const db::RunRecord& run);
-// By the laboratory file: a date, or so many months after the measurement; empty: not stated.
+// Date from the laboratory file, stated directly or as months after the measurement; empty: not stated.
 std::string valid_until(const Laboratory& lab, const std::string& measured_utc);
-// The operator's entry, else as the run stored it with the scanner.
+// The operator's entry, else the one stored with the run's scanner.
 std::string cable_of(const ReportInput& input);
-// As typed with the run, else by the laboratory file; both where they differ.
+// As typed with the run, else from the laboratory file; both if they differ.
 std::string order_of(const ReportInput& input);
 // Findings that the signer of a pass must know: taxels left out, noisy, lines swapped. Empty: none.
 doc::Phrase findings_summary(const Health& health);
@@ -40,7 +40,7 @@ struct Spread {
 Spread spread_of(std::vector<double> values);
 
 int fitted_taxels(const SensorModel& fit);
-// A figure over the observable taxels of a level: NaN where none is left, which the evaluation gives as 0.
+// A figure over the observable taxels of a level: NaN if there are none (the evaluation gives 0).
 double observable(const LevelFigures& level, double LevelFigures::*figure, int fitted);
 
 }  // namespace tactbench::analysis

@@ -14,13 +14,13 @@
 
 namespace tactbench::analysis {
 
-// This run evaluated with models made before it (as found).
+// The run evaluated with earlier models (as found).
 struct AsFound {
   std::string model;  // as named on the command line
   Evaluation evaluation;
   int fitted_taxels = 0;
   Judgement judgement;  // by the limits of the report
-  // When they fail: since when earlier measurements are in doubt, a sentence. Without numbers of runs.
+  // If the judgement is fail: a sentence that states since when measurements are in doubt. Without run numbers.
   std::string doubt;
 };
 
@@ -30,8 +30,8 @@ struct ReportResults {
   std::vector<ContactResult> contacts;
 };
 
-// `dataset` evaluated with `previous`, but for the taxels that `fit` omits, so that as found and as left are of the
-// same ones. Throws AnalysisError as evaluate().
+// `dataset` evaluated with `previous`, except for the taxels that `fit` omits, so that as found and as left refer to
+// the same taxels. Throws AnalysisError as evaluate().
 AsFound as_found_with(const Dataset& dataset, const SensorModel& fit, const SensorModel& previous,
                       const std::string& previous_name, int threads = 0);
 

@@ -32,14 +32,14 @@ std::string kind_of_state(const std::string& detail) {
 }
 
 void add_event(RunLog& history, const db::EventRecord& event) {
-  static const std::set<std::string> told = {"attempt", "branch-broken", "warning", "fault", "prompt", "word"};
+  static const std::set<std::string> reported = {"attempt", "branch-broken", "warning", "fault", "prompt", "word"};
   if (event.kind == "environment") return add_surroundings(history.surroundings, event);
   if (event.kind == "time") {
     history.time_spent = event.detail;
     return;
   }
   std::string kind = event.kind == "state" ? kind_of_state(event.detail) : event.kind;
-  if (event.kind != "state" && !told.contains(event.kind)) {
+  if (event.kind != "state" && !reported.contains(event.kind)) {
     if (event.kind != "seating") return;
     kind = "note";  // why the check was left out
   }

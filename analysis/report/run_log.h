@@ -29,24 +29,24 @@ struct EnvironmentRange {
 };
 
 struct RunLog {
-  bool loaded = false;   // it was read
+  bool loaded = false;   // the log was read
   bool presses = false;  // frames were taken under an indenter, not in the chamber
   std::vector<RunLogEvent> events;
   std::vector<VoidBranch> voids;
   std::map<std::string, int> flags;              // flag -> number of valid frames with it
-  int frames = 0, flagged = 0, void_frames = 0;  // that count; of these with a flag; in void branches
+  int frames = 0, flagged = 0, void_frames = 0;  // valid frames; valid frames with a flag; frames in void branches
   std::vector<EnvironmentRange> surroundings;
   std::vector<db::CheckRecord> checks;  // seating, warm-up, conditioning, mount, tare
-  std::string time_spent;               // in words, as the run ended with it
-  // Of the newest seating check: response of each taxel (loaded - unloaded) in volt, and at the sensor's last good
-  // seating before this run; empty where there is none.
+  std::string time_spent;               // as text, stored at the end of the run
+  // Response of each taxel (loaded - unloaded), volts, in the newest seating check, and in the sensor's last passed
+  // seating before this run; empty if there is none.
   std::vector<double> seating_v, earlier_seating_v;
   std::int64_t earlier_seating_run = 0;
 };
 
-// Of the run alone: the sensor's earlier seating is left empty.
+// Reads only the run: the sensor's earlier seating is left empty.
 RunLog load_run_log(const StoredRun& run);
-// Fills in earlier_seating_v and earlier_seating_run of the run's own history. Throws StoreError.
+// Fills in earlier_seating_v and earlier_seating_run of `history`. Throws StoreError.
 void add_earlier_seating(RunLog& history, const db::RunStore& store, const db::RunRecord& run);
 
 }  // namespace tactbench::analysis

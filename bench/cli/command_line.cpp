@@ -22,7 +22,7 @@ namespace {
 
 constexpr const char* kFooter =
     R"(Exit codes: 0 pass, 1 a criterion failed, 2 usage or configuration (nothing touched), 3 device or link, 4 stopped by operator, interlock or limit, 5 store, 6 inconclusive, 7 safe state not verified, 70 internal error, 128 + N ended by signal N after the safe state. Ctrl-C once: pause at the end of the branch; twice: stop now. However a run ends, it vents, retracts, proves the safe state and keeps all frames.
-What need not be typed: --db and --bench by TACTBENCH_DB and TACTBENCH_BENCH, a fleet by TACTBENCH_FLEET; bench, db, operator, recipe, limits, lab, units and fleet by the file tactbench.toml in the working folder; bench.toml is the bench where it lies there. The command line precedes the environment, and that the file.)";
+Defaults: --db and --bench from TACTBENCH_DB and TACTBENCH_BENCH, a fleet from TACTBENCH_FLEET; bench, db, operator, recipe, limits, lab, units and fleet from the file tactbench.toml in the working folder; bench.toml in that folder is the default bench. The command line has precedence over the environment, and that over the file.)";
 
 constexpr const char* kGreeting =
     "tactbench controls a test bench for tactile arrays, keeps every sample and compensates hysteresis.\n\n"
@@ -79,13 +79,15 @@ Error usage_error(const CLI::App& app, const CLI::ParseError& error) {
     if (const std::size_t at = what.find(" = "); what.starts_with("Could not convert: ") && at != std::string::npos) {
       const std::string typed = what.substr(at + 3),
                         digits = typed.substr(std::min(typed.size(), typed.rfind('-') + 1));
-      what = fmt::format("'{}' is no number", typed);
+      what = fmt::format("'{}' is not a number", typed);
       if (typed.starts_with("run-") && !digits.empty()) remedy = "write " + digits;
     }
     if (what.find("--operator is required") != std::string::npos)
       remedy = "--operator NAME; or once, in tactbench.toml: tactbench init --operator NAME";
     else if (words == "tactbench compare" && !left.empty())
-      remedy = "kinds of models are compared; two runs: tactbench runs diff A B, or tactbench report --compare A B";
+      remedy =
+          "this compares kinds of models; to compare two runs: tactbench runs diff A B, or tactbench report --compare "
+          "A B";
     if (remedy.empty()) {
       remedy = words;
       for (const CLI::Option* option : verb->get_options())
@@ -106,8 +108,9 @@ Error usage_error(const CLI::App& app, const CLI::ParseError& error) {
   if (words == "tactbench fit" && (name == "--limits" || name == "--held-out" || name == "--lab"))
     return {"TB-USAGE", fmt::format("{} judges, and fit only makes the model", name), "command line",
             "then: tactbench judge MODEL RUN... --limits FILE"};
-  return {"TB-USAGE", fmt::format("there is no option '{}' of '{}'", name, words), "command line",
-          near.empty() ? fmt::format("{} --help lists what is taken", words) : fmt::format("did you mean '{}'?", near)};
+  return {
+      "TB-USAGE", fmt::format("there is no option '{}' of '{}'", name, words), "command line",
+      near.empty() ? fmt::format("{} --help lists the valid ones", words) : fmt::format("did you mean '{}'?", near)};
 }
 
 // The first word that is neither an option nor its value.
@@ -158,7 +161,8 @@ int run_command_line(int argc, char** argv) {
     session.json = session.json || word == "--json";
     if (word.starts_with("--help") || word == "-h" || word == "--version") session.profile.tolerate_unreadable();
   }
-  if (verb == "pause" || verb == "stop" || verb == "panic") session.profile.tolerate_unreadable();  // no file keeps it
+  if (verb == "pause" || verb == "stop" || verb == "panic")
+    session.profile.tolerate_unreadable();  // must not be prevented by an unreadable file
   CLI::App app("tactbench: controls a test bench for tactile arrays, keeps every sample, compensates hysteresis",
                "tactbench");
   app.set_version_flag("--version", fmt::format("tactbench {} (commit {}; {})", build_info().version, commit_text(),
@@ -206,11 +210,11 @@ void add_error_reference(CLI::App& app, Session& /*session*/) {
   CLI::App* verb = app.add_subcommand("reference-errors", "docs/reference-errors.md, for the documents")->group("");
   verb->callback([] {
     tty::print("{}",
-               "# Errors\n\nPrinted by `tactbench reference-errors`. An error says what happened in this case, where, "
-               "what to try (the remedy below,\nor a more exact one) and in what state it left the rig; `--json` adds "
-               "identifier, exit code and cause. Instead of its own code\na program ends with 7 where the safe state "
-               "was not verified, and with 128 and the signal's number where a signal ended it\n([all exit "
-               "codes](rules.md#exit-codes)). 0: a warning, with which nothing ends.\n\n"
+               "# Errors\n\nPrinted by `tactbench reference-errors`. An error states what happened, where, what to try "
+               "(the remedy below,\nor a more specific one) and in what state it left the rig; `--json` adds "
+               "identifier, exit code and cause. Instead of the error's code\nthe program exits with 7 if the safe "
+               "state was not verified, and with 128 plus the signal's number if a signal ended it\n([all exit "
+               "codes](rules.md#exit-codes)). 0: a warning, which does not end the program.\n\n"
                "| id | exit code | cause | remedy |\n|---|---|---|---|\n");
     for (const ErrorRow& row : kErrorTable) {
       tty::print("| `{}` | {} | {} | {} |\n", row.id, static_cast<int>(row.exit_code), sentence(row.cause),

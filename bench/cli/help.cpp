@@ -42,7 +42,7 @@ std::string wrapped(const std::string& text, std::size_t width) {
 
 class HelpFormatter : public CLI::Formatter {
  public:
-  // A list of verbs has their first lines alone.
+  // A list of verbs shows only their first lines.
   std::string make_subcommand(const CLI::App* sub) const override {
     const std::string about = sub->get_description();
     const std::size_t width = std::max(kNames, sub->get_name().size() + 2);
@@ -59,7 +59,7 @@ class HelpFormatter : public CLI::Formatter {
     if (app->get_parent() == nullptr) return own + "\n";
     const std::vector<std::string> groups = app->get_groups();
     const bool rare = std::ranges::find(groups, kRareOptions) != groups.end();
-    return fmt::format("{}{}{}Of every verb: --db --bench --units --json -q (tactbench --help).\n", own,
+    return fmt::format("{}{}{}For every verb: --db --bench --units --json -q (tactbench --help).\n", own,
                        own.empty() ? "" : "\n\n", rare ? "Rarely needed options: --help-all.\n" : "");
   }
   std::string make_group(std::string group, bool positional, std::vector<const CLI::Option*> options) const override {
@@ -87,7 +87,7 @@ class HelpFormatter : public CLI::Formatter {
 
 void set_help(CLI::App& app) {
   app.formatter(std::make_shared<HelpFormatter>());
-  app.set_help_all_flag("--help-all", "of a verb: also the options that are rarely needed");
+  app.set_help_all_flag("--help-all", "for a verb: also the options that are rarely needed");
 }
 
 }  // namespace tactbench::bench

@@ -51,10 +51,10 @@ doc::Table table_of(const std::vector<const JudgedFigure*>& figures, PressureUni
   return table;
 }
 
-// Whether the figures decide: not where a stored verdict is worse.
+// Whether the figures decide the verdict: false if a stored verdict is worse.
 bool decided_here(const Judgement& judgement) { return judgement.overall == worst_of(judgement.figures); }
 
-// What does not pass, the worst first.
+// Figures that do not pass, the worst first.
 std::vector<const JudgedFigure*> not_passed(const Judgement& judgement) {
   std::vector<const JudgedFigure*> figures;
   for (std::size_t i = 0; i < judgement.figures.size(); ++i)
@@ -80,12 +80,12 @@ std::string trajectories(const Judgement& judgement) {
 void add_conditions(doc::Document& out, const Judgement& judgement, PressureUnit unit, bool all) {
   const auto add = [&](const std::string& words) { out.add(doc::Paragraph{{words}}); };
   if (states_conformity(judgement.overall) && !judgement.runs.empty()) {
-    if (const std::string known = trajectories(judgement); !all && !known.empty()) add("errors hold for " + known);
+    if (const std::string known = trajectories(judgement); !all && !known.empty()) add("errors are valid for " + known);
     for (const analysis::JudgedRun& run : judgement.runs)
       if (all && run.trajectory.run != 0)
-        add(fmt::format("errors of run {} hold for {}", run.run, analysis::display_text(run.trajectory)));
+        add(fmt::format("errors of run {} are valid for {}", run.run, analysis::display_text(run.trajectory)));
     if (const std::vector<std::string> open = kinds_left_open(judgement); !open.empty())
-      add(fmt::format("how wrong a reading can be is not known for: {}", fmt::join(open, "; ")));
+      add(fmt::format("the error of a reading is not known for: {}", fmt::join(open, "; ")));
     if (const std::string missing = not_assessed_text(judgement); !missing.empty()) add("not assessed: " + missing);
   }
   for (const JudgedFigure& figure : judgement.stored_worse)
@@ -134,13 +134,14 @@ std::string headline(const Judgement& judgement, const std::string& origin, Pres
   const std::string simulated = origin == "simulated" ? " (simulated)" : "", word = verdict_banner(judgement);
   if (word.empty())
     return fmt::format("no verdict{}: {}", simulated,
-                       figures.empty() ? "nothing was judged by limits" : "the limits ask for figures alone");
+                       figures.empty() ? "no limits were applied" : "the limits file requests figures only");
   std::string text = word + simulated;
   if (judgement.not_judged) return text + ": not judged: " + analysis::display_text(*judgement.not_judged, unit);
   text += condition_text(judgement, unit);
   const auto met = std::ranges::count_if(figures, [](const JudgedFigure& own) { return passes(own.verdict); });
   const std::string checks = analysis::counted(figures.size(), "check");
-  if (!decided_here(judgement)) return fmt::format("{}: by a stored verdict; none of the {} here fails", text, checks);
+  if (!decided_here(judgement))
+    return fmt::format("{}: because of a stored verdict; none of the {} here fails", text, checks);
   if (!judgement.deciding) return text;
   const std::string decided = display_text(figures[*judgement.deciding], unit);
   if (judgement.overall == Verdict::kPass)

@@ -1,4 +1,5 @@
-// Output of a judgement as text and JSON: the verdict with the figure that decides first, then what does not pass.
+// Output of a judgement as text and JSON: the verdict with the figure that decides it, then the checks that do not
+// pass.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -15,8 +16,8 @@ namespace tactbench::bench {
 std::string verdict_banner(const analysis::Judgement& judgement);
 // The verdict, what decides it, and how many checks pass; one paragraph without a line end.
 std::string headline(const analysis::Judgement& judgement, const std::string& origin, analysis::PressureUnit unit);
-// The headline, a table of what does not pass with the closest pass, and what the verdict holds for. `all`: every
-// check, the decision rules, and each run's trajectory.
+// The headline, a table of the checks that do not pass and of the closest pass, and the scope of the verdict. `all`:
+// every check, the decision rules, and each run's trajectory.
 analysis::doc::Document judgement_document(const analysis::Judgement& judgement, const std::string& origin,
                                            analysis::PressureUnit unit, bool all);
 // One row per evaluation: errors, and the mean taxel's hysteresis before and after; the first is the models' own run.

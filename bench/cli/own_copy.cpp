@@ -15,7 +15,7 @@ void write_own_copy(const OwnCopy& copy, const Session& session) {
   const std::string path = copy.to.ends_with(".toml") ? copy.to : copy.to + ".toml";
   const std::string name = std::filesystem::path(path).stem();
   if (name.empty() || name.find_first_not_of(kAllowed) != std::string::npos)
-    throw Error("TB-USAGE", fmt::format("'{}' is no name of {}", copy.to, copy.what), copy.verb + " --copy",
+    throw Error("TB-USAGE", fmt::format("'{}' is not a valid name of {}", copy.to, copy.what), copy.verb + " --copy",
                 "use letters, digits, - and _");
   const std::string line = fmt::format("\nname = \"{}\"", copy.from);
   const std::size_t at = copy.text.find(line);
@@ -30,7 +30,7 @@ void write_own_copy(const OwnCopy& copy, const Session& session) {
                 "give another name, or --replace to overwrite it");
   write_output(path, text, session.replace);
   if (session.json) return print_json(copy.verb + ".copy", {{"name", name}, {"from", copy.from}, {"path", path}});
-  tty::print("{}: '{}', begun as a copy of '{}'\n\nNext:  edit it, then\n       tactbench {} {}\n", path, name,
+  tty::print("{}: '{}', a copy of '{}'\n\nNext:  edit it, then\n       tactbench {} {}\n", path, name,
              one_line(copy.from), copy.verb, path);
 }
 

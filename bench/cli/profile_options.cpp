@@ -33,7 +33,7 @@ CLI::Option* ProfileOptions::add(CLI::App& verb, const std::string& names, Profi
 }
 
 CLI::Option* ProfileOptions::add_operator(CLI::App& verb, std::string& value) {
-  return add(verb, "--operator", ProfileKey::kOperator, value, "who runs it; recorded")->required();
+  return add(verb, "--operator", ProfileKey::kOperator, value, "name of the operator; recorded")->required();
 }
 
 CLI::Option* ProfileOptions::declare(CLI::App& verb, CLI::Option* option, ProfileKey key,

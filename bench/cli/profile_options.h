@@ -20,19 +20,19 @@ namespace tactbench::bench {
 class ProfileOptions {
  public:
   ProfileOptions() = default;
-  explicit ProfileOptions(std::string file) : file_(std::move(file)) {}  // another than tactbench.toml
-  // Declares an option (or a positional argument) that takes the value of `key` where the command line gives none. It
-  // is then no longer required; its help names the other sources. `value` must outlive the parsing.
+  explicit ProfileOptions(std::string file) : file_(std::move(file)) {}  // another file than tactbench.toml
+  // Declares an option (or a positional argument) whose default is the value of `key`. If there is one, the option is
+  // not required; its help names the sources of the default. `value` must outlive the parsing.
   CLI::Option* add(CLI::App& verb, const std::string& names, ProfileKey key, std::string& value,
                    const std::string& about);
   CLI::Option* add(CLI::App& verb, const std::string& names, ProfileKey key, std::vector<std::string>& values,
                    const std::string& about);
-  // --operator as most verbs have it: required.
+  // The option --operator, required.
   CLI::Option* add_operator(CLI::App& verb, std::string& value);
 
   // The values of the working folder and the environment, read once. Throws sequences::FileError.
   [[nodiscard]] const OperatorProfile& values() const;
-  // For --help, and for what ends a run: a profile that cannot be read counts as none.
+  // For --help, and for commands that end a run: an unreadable profile counts as none.
   void tolerate_unreadable() { tolerant_ = true; }
 
  private:

@@ -86,14 +86,14 @@ ordered_json evaluation_json(const NamedEvaluation& named) {
 
 void check_operator(const std::string& name) {
   if (!db::is_blank(name)) return;
-  throw Error("TB-USAGE", "--operator is empty", "--operator", "give a name: it is recorded");
+  throw Error("TB-USAGE", "--operator is empty", "--operator", "give a name, which is recorded");
 }
 
 std::string Session::bench_file(const char* otherwise) const {
   if (!bench.empty()) {
     const auto given = profile.values().find(ProfileKey::kBench);
     const bool found = given != profile.values().end() && given->second.origin == kBenchHereOrigin;
-    if (found && !typed("--bench") && !quiet && !json) tty::print(stderr, "bench: {} of this folder\n", bench);
+    if (found && !typed("--bench") && !quiet && !json) tty::print(stderr, "bench: {} in this folder\n", bench);
     return bench;
   }
   if (otherwise != nullptr) return otherwise;
@@ -110,26 +110,25 @@ void add_global_options(CLI::App& app, Session& session) {
   session.profile.add(app, "--db", ProfileKey::kDb, session.db, "run store, one SQLite file per bench")
       ->capture_default_str();
   session.profile.add(app, "--bench", ProfileKey::kBench, session.bench,
-                      "bench file; of a live run also the id of its bench [bench.toml, if it is here]");
+                      "bench file; for a live run also the id of its bench [bench.toml, if it is here]");
   session.profile
-      .add(
-          app, "--units", ProfileKey::kUnits, session.units,
-          "unit of the pressures printed, all gauge; files, CSV and JSON keep psi. A pressure that is typed may have a "
-          "unit behind it (20kPa)")
+      .add(app, "--units", ProfileKey::kUnits, session.units,
+           "unit of the printed gauge pressures; files, CSV and JSON keep psi. A typed pressure may be followed by a "
+           "unit (20kPa)")
       ->check(CLI::IsMember({"kPa", "bar", "psi"}, CLI::ignore_case))
       ->default_str("psi");
   app.add_flag("--json", session.json, "one JSON document on standard output, also for errors");
-  app.add_flag("-q,--quiet", session.quiet, "the result alone");
+  app.add_flag("-q,--quiet", session.quiet, "print only the result");
   session.typed = [&app](const char* option) { return app.count(option) > 0; };
 }
 
 void add_all(CLI::App& verb, Session& session) {
-  verb.add_flag("--all", session.all, "every check and detail, not only what decides");
+  verb.add_flag("--all", session.all, "print every check and detail, not only those that decide");
 }
 
 void add_replace(CLI::App& verb, Session& session) {
   verb.add_flag("--replace", session.replace,
-                "also overwrite a file of another kind; one of the same kind is replaced anyway, a store never");
+                "also overwrite a file of another kind; a file of the same kind is always replaced, a store never");
 }
 
 void add_void_too(CLI::App& verb, Session& session) {

@@ -24,30 +24,30 @@ namespace tactbench::bench {
 struct NamedEvaluation;
 
 inline constexpr const char* kDefaultStore = "runs.db";
-inline constexpr const char* kShippedBench = "simulated.toml";  // where a simulated one serves as well
+inline constexpr const char* kShippedBench = "simulated.toml";  // for verbs for which a simulated bench will do
 
 struct Session {
   bool json = false;
-  bool quiet = false;              // the result alone
-  bool all = false;                // --all: also what passes, and what lies behind the figures
+  bool quiet = false;              // prints only the result
+  bool all = false;                // --all: also the checks that pass, and the data behind the figures
   bool replace = false;            // --replace: bench/common/output_file.h
-  bool void_too = false;           // include void runs, where the verb offers it
+  bool void_too = false;           // include void runs, in verbs that have the option
   std::string db = kDefaultStore;  // --db, else of TACTBENCH_DB or tactbench.toml
   std::string bench;               // --bench, else of TACTBENCH_BENCH or tactbench.toml, else bench.toml if it is here
-  std::string fleet;               // the fleet that `db` is a copy of, in words; empty: a bench's own store
+  std::string fleet;               // the fleet from which `db` was copied, in words; empty: a bench's own store
   std::string units;               // --units or `units` of the profile: kPa, bar or psi; empty: not given
   std::function<bool(const char* option)> typed = [](const char*) { return false; };  // of add_global_options()
-  // Of what a verb prints: psi where none is given, as recipes, bench and limits files, CSV and JSON have it.
+  // For a verb's printed output: psi by default, as in recipes, bench and limits files, CSV and JSON.
   [[nodiscard]] analysis::PressureUnit unit() const;
-  // Of a report's page: kPa where none is given, for SI leads in documents.
+  // For a report's page: kPa by default, because documents give SI units first.
   [[nodiscard]] analysis::PressureUnit page_unit() const;
-  // The bench file; one that nobody named is named on standard error. Throws Error TB-USAGE where there is none, but
-  // for a shipped one that may stand in.
+  // The bench file; if it was not given on the command line, its name is printed on standard error. Throws Error
+  // TB-USAGE if there is none and no shipped one (`otherwise`) may be used.
   [[nodiscard]] std::string bench_file(const char* otherwise = nullptr) const;
-  // As typed, else empty: the id of a bench, or its file, of verbs that only ask for a live run.
+  // --bench as typed, else empty: a bench's id or file, for verbs that only query a live run.
   [[nodiscard]] std::string typed_bench() const { return typed("--bench") ? bench : std::string(); }
   [[nodiscard]] std::string typed_db() const { return typed("--db") ? db : std::string(); }
-  // Uses --db only if typed: what a demonstration or a nightly run stores does not belong in the user's own store.
+  // Uses --db only if typed: the results of a demonstration or a nightly run do not belong in the user's own store.
   void use_db_only_if_typed();
   ProfileOptions profile;
   ExitCode code = ExitCode::kPass;
@@ -56,11 +56,11 @@ struct Session {
 // One document on standard output, with schema "tactbench.<verb>" and version 1 in front.
 void print_json(const std::string& verb, const nlohmann::ordered_json& body);
 
-// To standard output, as wide as its terminal. Texts of people in it have gone through one_line().
+// Prints on standard output, at the width of the terminal. Texts typed by people have gone through one_line().
 void print_document(const analysis::doc::Document& document, analysis::PressureUnit unit);
 void print_table(analysis::doc::Table table, analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
 
-// A verb's exit code by its verdict: 0 also without one, and where conformity is not stated.
+// A verb's exit code by its verdict: also 0 without a verdict, and if conformity is not stated.
 ExitCode exit_code_of(std::optional<analysis::Verdict> verdict);
 // The verdict in words: "simulated pass" on a simulated run.
 std::string shown_verdict(const std::string& word, const std::string& origin);

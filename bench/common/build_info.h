@@ -9,9 +9,9 @@ struct BuildInfo {
   std::string version;        // of the project, "0.1.0"
   std::string commit;         // of git, 12 digits, or "unknown"
   std::string date;           // of the commit, "2026-11-22"
-  bool modified = false;      // sources differed from the commit
+  bool modified = false;      // the sources differed from the commit
   std::string build;          // build type and compiler, "Release, GNU 12.2.0"
-  std::string source_folder;  // where it was built from, absolute
+  std::string source_folder;  // absolute path of the sources
 };
 
 const BuildInfo& build_info();

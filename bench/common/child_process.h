@@ -1,5 +1,4 @@
-// A program that this one starts and watches, in a process group of its own, which Ctrl-C in the terminal does not
-// reach.
+// A program that this one starts and watches, in a separate process group, which Ctrl-C in the terminal does not reach.
 #pragma once
 
 #include <sys/types.h>
@@ -13,7 +12,7 @@ namespace tactbench::bench {
 
 struct ChildStart {
   std::vector<std::string> words;        // the program's path first
-  std::vector<std::string> environment;  // its whole environment, NAME=value each
+  std::vector<std::string> environment;  // its complete environment, each NAME=value
   // Open descriptor for its standard output and error; closed in this process in any case; its input is then /dev/null.
   // -1: inherits all three.
   int output = -1;
@@ -34,8 +33,8 @@ class ChildProgram {
   ChildProgram(ChildProgram&& other) noexcept;
   ChildProgram& operator=(ChildProgram&& other) noexcept;
 
-  // Its wait status as waitpid() reports it (WIFEXITED ...); none: it still runs. Exit code 127 when the system does
-  // not report its end.
+  // The program's wait status as waitpid() reports it (WIFEXITED ...); none: it still runs. Exit code 127 when the
+  // system does not report its end.
   std::optional<int> ended();
   std::optional<int> ended_by(std::chrono::steady_clock::time_point last);  // polls every 20 ms
   int wait();                                                               // without a time limit
@@ -43,10 +42,10 @@ class ChildProgram {
   void terminate() const;   // SIGTERM to the program, if it still runs
   void kill_group() const;  // SIGKILL to it and to all processes of its group
   [[nodiscard]] pid_t process() const { return process_; }
-  void let_go() { process_ = -1; }  // it goes on without this object
+  void let_go() { process_ = -1; }  // the program continues without this object
 
  private:
-  pid_t process_ = -1;  // and its group; -1: moved from
+  pid_t process_ = -1;  // also the number of its group; -1: moved from
   std::optional<int> status_;
 };
 

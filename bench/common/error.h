@@ -1,5 +1,5 @@
-// The error type of the program, for every error that is shown to a person: what, where, how to mend it, and the state
-// in which the rig was left. Its identifier is one of bench/common/error_table.h, which gives exit code, cause and
+// The error type of the program, for every error that is shown to a person: what happened, where, the remedy, and the
+// state in which the rig was left. The identifier is in bench/common/error_table.h, which gives exit code, cause and
 // remedy.
 #pragma once
 
@@ -12,7 +12,7 @@
 
 namespace tactbench::bench {
 
-// An identifier of the table; another literal does not compile.
+// An identifier of the table; any other literal does not compile.
 class ErrorId {
  public:
   consteval ErrorId(const char* id) : row_(error_row(id)) {  // NOLINT: Error("TB-USAGE", ...)
@@ -40,7 +40,7 @@ class Error : public std::runtime_error {
   [[nodiscard]] const std::string& remedy() const { return remedy_; }
   [[nodiscard]] const std::string& rig_state() const { return rig_state_; }
 
-  [[nodiscard]] std::string_view cause() const;  // the table's
+  [[nodiscard]] std::string_view cause() const;  // from the table
 
   // The same error marked as the result of an operator's command, not a failure: error_text() then omits "error".
   [[nodiscard]] Error by_command() const;
@@ -58,12 +58,11 @@ class Error : public std::runtime_error {
   bool asked_for_ = false;
 };
 
-// Converts the error types of the libraries. `where` is used when the error itself names no place.
+// Converts the error types of the libraries. `where` is used if the error does not name a place.
 Error as_error(const std::exception_ptr& exception, const std::string& where = {});
 
-// Up to four lines, each through terminal_safe() and of bounded length: what (without "error" where the operator asked
-// for it), where, how to mend it, and the rig's state; without a state "no device was touched", where a device could
-// have been.
+// Up to four lines, each through terminal_safe() and of bounded length: what happened (without "error" for an
+// operator's command), where, the remedy, and the rig's state; without a state "no device was touched", if `devices`.
 std::string error_text(const Error& error, bool devices = true);
 std::string error_json(const Error& error);
 

@@ -34,7 +34,7 @@ constexpr const char* kStoreFile = "an SQLite database (a store, perhaps)";
 constexpr const char* kStoreLog = "the log or the lock of an SQLite database";
 constexpr const char* kReportDocument = "a tactbench.report document (JSON)";
 constexpr const char* kUnknownFile = "a file that tactbench did not write";
-constexpr std::size_t kLooked = 1U << 16;  // bytes: the head of a table has one column a taxel
+constexpr std::size_t kLooked = 1U << 16;  // bytes: the header of a table has one column per taxel
 
 struct Beginning {
   std::string_view bytes;
@@ -89,14 +89,14 @@ std::string beginning_of(const std::string& path) {
   std::string text(kLooked, '\0');
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (stream.bad() || !stream.is_open()) {
-    throw Error("TB-FILE-EXISTS", "there is a file that cannot be read, so what it is cannot be seen", path,
+    throw Error("TB-FILE-EXISTS", "the existing file cannot be read, so its kind is not known", path,
                 "write to another name, or remove it");
   }
   text.resize(static_cast<std::size_t>(stream.gcount()));
   return text;
 }
 
-// "runs.db-wal" or "runs.db-lock" beside the database "runs.db": even an empty one may be in use.
+// "runs.db-wal" or "runs.db-lock" next to the database "runs.db": even an empty file may be in use.
 bool belongs_to_store(const std::string& path) {
   for (const std::string_view ending : {"-wal", "-shm", "-journal", "-lock"}) {
     if (!path.ends_with(ending)) continue;
@@ -115,7 +115,7 @@ bool belongs_to_store(const std::string& path) {
   throw Error("TB-FILE-WRITE", fmt::format("cannot write the file: {}", std::strerror(error)), path);
 }
 
-// What a stream writes, into an open file that it closes.
+// A stream buffer that writes into an open file and closes it.
 class FileBuffer : public std::streambuf {
  public:
   FileBuffer(int file, std::string path) : file_(file), path_(std::move(path)), bytes_(kLooked) { empty(); }
@@ -227,7 +227,7 @@ void check_output(const std::string& path, const std::string& kind, bool replace
   if (!store && (!there || !S_ISREG(status.st_mode) || status.st_size == 0)) return;
   const std::string found = store ? kStoreLog : kind_of_file(beginning_of(path));
   if (found == kStoreFile || found == kStoreLog) {
-    throw Error("TB-FILE-STORE", fmt::format("the file is {} and is never written over", found), path);
+    throw Error("TB-FILE-STORE", fmt::format("the file is {} and is never overwritten", found), path);
   }
   if (named_descriptor(path)) return;  // the user chose the redirection
   if (found == kPageFile || found == kReportDocument) {
@@ -239,7 +239,7 @@ void check_output(const std::string& path, const std::string& kind, bool replace
   const auto shown = [](const std::string& text) {
     return text.size() <= kShown ? text : text.substr(0, kShown) + "...";
   };
-  throw Error("TB-FILE-EXISTS", fmt::format("there is {}, and {} would take its place", shown(found), shown(kind)),
+  throw Error("TB-FILE-EXISTS", fmt::format("the existing file is {}; {} would replace it", shown(found), shown(kind)),
               path);
 }
 

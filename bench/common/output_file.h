@@ -13,7 +13,7 @@ namespace tactbench::bench {
 // "frames of a run (CSV)", "a table (CSV) with the columns ...", "an SQLite database (a store, perhaps)", ...
 std::string kind_of_file(const std::string& beginning);
 
-// Kinds that verbs know before they make the text.
+// Kinds that a verb can name before it makes the text.
 inline constexpr const char* kPageFile = "a page of tactbench (HTML)";
 inline constexpr const char* kPdfFile = "a PDF";
 inline constexpr const char* kDccFile = "a digital calibration certificate (XML)";
@@ -26,7 +26,8 @@ inline constexpr const char* kScenarioLogHead = "# Talk of tactbench nightly, sc
 
 // Throws Error TB-FILE-STORE when `path` is an SQLite database, its log or its lock, also through a link,
 // TB-REPORT-SIGNED when it is a signed report, and TB-FILE-EXISTS when it is a file of another kind than `kind` and may
-// not be replaced. Accepts a missing or empty file, a device and a pipe. For verbs that work long before they write.
+// not be replaced. Accepts a missing or empty file, a device and a pipe. For verbs that compute for long before they
+// write.
 void check_output(const std::string& path, const std::string& kind, bool replace);
 
 // Checks, then writes: replaces a file at once (a reader never sees half of it), follows a link, and makes the folder

@@ -12,8 +12,8 @@ namespace tactbench::bench {
 struct SplitOverrides {
   std::vector<sequences::Override> all, bench, recipe;
 };
-// A key that ends in _psi takes a pressure with another unit, too ("limits.trip_psi=450kPa"). Throws Error TB-USAGE for
-// what is not key=value.
+// A key that ends in _psi also accepts a pressure in another unit ("limits.trip_psi=450kPa"). Throws Error TB-USAGE if
+// the text is not key=value.
 SplitOverrides split_overrides(const std::vector<std::string>& set);
 
 }  // namespace tactbench::bench

@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Together they fit into the name of a socket (107 bytes) with all that stands around them.
+// Together with prefix and suffix they fit into the name of a socket (107 bytes).
 constexpr std::size_t kPlainName = 48, kShortened = 24, kHashDigits = 20;
 constexpr mode_t kOthersRead = 077, kOthersWrite = 022;
 constexpr std::string_view kScratchEnding = ".XXXXXX";  // of a folder that is locked
@@ -40,7 +40,7 @@ struct stat file_status_of(const std::string& path) {
   struct stat found {};
   if (::lstat(path.c_str(), &found) != 0) refuse_folder(path, std::strerror(errno));
   if (S_ISLNK(found.st_mode)) refuse_folder(path, "it is a link");
-  if (!S_ISDIR(found.st_mode)) refuse_folder(path, "it is no folder");
+  if (!S_ISDIR(found.st_mode)) refuse_folder(path, "it is not a folder");
   if (found.st_uid != ::geteuid())
     refuse_folder(path, fmt::format("it belongs to user {}, not to {}", found.st_uid, ::geteuid()));
   return found;
@@ -114,7 +114,7 @@ void make_private_folder(const std::string& path) {
 bool is_group_folder(const std::string& path) {
   struct stat found {};
   if (::lstat(path.c_str(), &found) != 0 && errno == ENOENT) return false;
-  if (!S_ISDIR(found.st_mode)) refuse_folder(path, "it is no folder");
+  if (!S_ISDIR(found.st_mode)) refuse_folder(path, "it is not a folder");
   if (found.st_uid != 0 || (found.st_mode & S_ISGID) == 0)
     refuse_folder(path, "it does not belong to root and a group");
   if ((found.st_mode & S_IWOTH) != 0) refuse_folder(path, "all can write to it");

@@ -1,4 +1,4 @@
-// Seconds of a configuration or a recipe as process time.
+// Converts seconds of a configuration or a recipe to process time.
 #pragma once
 
 #include <cmath>

@@ -38,7 +38,7 @@ std::string painted(const std::vector<PaintedLine>& block, std::size_t columns, 
 }
 
 void ScreenBlock::paint(const std::vector<PaintedLine>& block, ScreenSize size) {
-  // Another size has folded or moved the lines that stand there.
+  // A change of size has wrapped or moved the displayed lines.
   const bool resized = lines_ > 0 && (size.columns != size_.columns || size.rows != size_.rows);
   if (resized) tty::clear_screen();
   tty::write_painted(painted(block, size.columns, resized ? 0 : lines_));

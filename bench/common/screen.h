@@ -1,4 +1,4 @@
-// The terminal's size, and a block of lines on standard output that is painted over in place.
+// The terminal's size, and a block of lines on standard output that is redrawn in place.
 #pragma once
 
 #include <cstddef>
@@ -10,9 +10,10 @@ namespace tactbench::bench {
 struct ScreenSize {
   std::size_t columns = 80, rows = 24;
 };
-// Of the terminal behind a descriptor (STDOUT_FILENO, STDERR_FILENO); none: 80 x 24.
+// Size of the terminal behind a descriptor (STDOUT_FILENO, STDERR_FILENO); 80 x 24 if there is no terminal.
 ScreenSize screen_size(int descriptor);
-// Of a line on standard output; no end where that is no terminal: what reads it wants whole lines.
+// Width of a line on standard output; unlimited if that is not a terminal, because a program that reads it needs whole
+// lines.
 std::size_t line_columns();
 
 struct Span {
@@ -22,11 +23,11 @@ struct Span {
 };
 using PaintedLine = std::vector<Span>;
 
-// The bytes that draw the lines on a terminal of that width: each span through one_line(), lines cut to columns - 1.
+// The bytes that draw the lines on a terminal of `columns`: each span through one_line(), lines cut to columns - 1.
 // `above` > 0: first moves the cursor up by as many lines, to the first line of the previous block.
 std::string painted(const std::vector<PaintedLine>& block, std::size_t columns, std::size_t above);
 
-// A block on standard output that each paint() writes over. A block has to leave one row of the screen free.
+// A block on standard output that each paint() overwrites. A block must leave one row of the screen free.
 class ScreenBlock {
  public:
   void paint(const std::vector<PaintedLine>& block, ScreenSize size);

@@ -24,7 +24,7 @@ Shard shard_from(const std::string& typed) {
         shard.of <= kMaxShards)
       return shard;
   }
-  throw Error("TB-USAGE", fmt::format("'{}' is not a part of the work", typed), "--shard",
+  throw Error("TB-USAGE", fmt::format("'{}' does not name a part K/N", typed), "--shard",
               fmt::format("K/N, part K of N, K from 1 to N and N at most {}: --shard 3/8", kMaxShards));
 }
 

@@ -11,7 +11,7 @@ namespace {
 
 // Including signals for a shutdown of the machine (power) and for limits (processor time).
 constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2, SIGPWR, SIGXCPU};
-// What nobody sends on purpose would end the process, too; a profiler or a fuzzer has its own use for some.
+// Signals that are not sent on purpose would also end the process; a profiler or a fuzzer uses some of them.
 constexpr std::array kUnexpected{SIGALRM, SIGVTALRM, SIGPROF, SIGIO, SIGSTKFLT};
 
 std::vector<int> unexpected_signals() {
@@ -21,9 +21,9 @@ std::vector<int> unexpected_signals() {
 }
 
 std::atomic<int> caught{0};        // the first
-std::atomic<int> first_to_end{0};  // the first but SIGINT
+std::atomic<int> first_to_end{0};  // the first except SIGINT
 std::atomic<int> interrupted{0};
-int depth = 0;      // of the objects that live
+int depth = 0;      // number of existing objects
 bool kept = false;  // until a further one
 static_assert(std::atomic<int>::is_always_lock_free, "a signal handler needs it");
 

@@ -1,5 +1,6 @@
-// Records Ctrl-C and termination signals, so that the sequencer can act at its next step. One object at a time, or one
-// nested in the life of another, and then both see the same signals; the old handlers are restored at its end.
+// Records Ctrl-C and termination signals, so that the sequencer can act at its next step. Only one object exists at a
+// time, or one nested in the lifetime of another; then both see the same signals. The previous handlers are restored at
+// its end.
 #pragma once
 
 #include <csignal>
@@ -11,17 +12,17 @@ namespace tactbench::bench {
 class StopRequest {
  public:
   // SIGINT, SIGTERM, SIGHUP (unless it is ignored, as under nohup), SIGQUIT, SIGUSR1, SIGUSR2, SIGPWR, SIGXCPU; timers,
-  // SIGIO and real-time signals where nothing else in the process has taken them.
+  // SIGIO and real-time signals if nothing else in the process handles them.
   StopRequest();
   ~StopRequest();
   StopRequest(const StopRequest&) = delete;
   StopRequest& operator=(const StopRequest&) = delete;
   // From now on signals no longer end the process, even after this object is destroyed: the exit code is already
-  // decided and may be one that outranks a signal's. Until the next object is made.
+  // decided, and it may have priority over a signal's. Holds until the next object is made.
   static void keep();
-  [[nodiscard]] int signal() const;      // the first that came; 0: none
+  [[nodiscard]] int signal() const;      // the first signal received; 0: none
   [[nodiscard]] int interrupts() const;  // number of Ctrl-C
-  [[nodiscard]] int ending() const;      // the first other than SIGINT; it asks for the end at once; 0: none
+  [[nodiscard]] int ending() const;      // the first signal other than SIGINT, which requests an immediate end; 0: none
 
  private:
   struct Old {

@@ -89,7 +89,7 @@ void erase_open_line() {
 void vprint(std::FILE* stream, fmt::string_view format, fmt::format_args args) {
   const std::string text = terminal_safe(fmt::vformat(format, args));
   const std::lock_guard lock(line_mutex());
-  if (stream == stderr && text == "\n")  // the end of that line, which stays
+  if (stream == stderr && text == "\n")  // ends the status line, which is kept
     line_open = false;
   else
     erase_open_line();

@@ -19,8 +19,8 @@ namespace tactbench::bench {
 std::string terminal_safe(std::string_view text);
 
 // The same with line ends and tabs shown as well, cut with ... (U+2026) to `columns` of a terminal.
-inline constexpr std::size_t kMaxTextLength = 2000;  // of one field of an error
-inline constexpr std::size_t kMaxCellColumns = 200;  // at the end of a table's line
+inline constexpr std::size_t kMaxTextLength = 2000;  // for one field of an error
+inline constexpr std::size_t kMaxCellColumns = 200;  // for the last cell of a table's line
 std::string one_line(std::string_view text, std::size_t columns = kMaxCellColumns);
 
 using analysis::display_width;
@@ -43,11 +43,11 @@ void print(fmt::format_string<Args...> format, Args&&... args) {
   tty::vprint(stdout, format, fmt::make_format_args(args...));
 }
 
-// One line of standard error, cut to the terminal's width, written over by the next.
+// One line of standard error, cut to the terminal's width; the next call overwrites it.
 void update_status_line(std::string_view text);
-// An empty screen, of standard output.
+// Clears the screen of standard output.
 void clear_screen();
-// To standard output at once: what painted() of bench/common/screen.h has made safe.
+// Writes to standard output immediately; painted() of bench/common/screen.h has made the text safe.
 void write_painted(std::string_view painted);
 
 }  // namespace tty

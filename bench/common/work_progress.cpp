@@ -72,7 +72,7 @@ WorkProgress::~WorkProgress() {
   try {
     end();
   } catch (...) {
-    // A terminal that is gone has no line to take away.
+    // On a lost terminal there is no line to erase.
   }
   present = before_;
 }

@@ -15,8 +15,8 @@ namespace tactbench::bench {
 
 struct WorkStage {
   std::string name;
-  double share = 1.0;   // of the whole time, against the others; need not be exact
-  bool counted = true;  // its time goes into one piece of counted work
+  double share = 1.0;   // of the whole time, relative to the other stages; need not be exact
+  bool counted = true;  // most of its time is spent in one piece of counted work
 };
 
 // "fit: gpi (2 of 4)   37 %   0:12 left". `in_stage`: how much of stage `at` is done, 0 to 1.
@@ -28,18 +28,18 @@ double estimated_fraction(const std::vector<WorkStage>& stages, std::size_t at, 
 // Acts on the current WorkProgress, if there is one: for code that does not know the verb it works for. Main thread
 // only.
 void begin_stage(const std::string& name);
-void pause_progress();  // for good: a question is asked
+void pause_progress();  // permanently, before a question is asked
 
 class WorkProgress {
  public:
-  // `silent`: of the verb, with -q or --json.
+  // `silent`: the verb has -q or --json.
   WorkProgress(std::string label, bool silent, std::vector<WorkStage> stages);
   ~WorkProgress();
   WorkProgress(const WorkProgress&) = delete;
   WorkProgress& operator=(const WorkProgress&) = delete;
   // The first stage of this name from the present one on has begun; a name that is not among them changes nothing.
   void begin(const std::string& name);
-  void end();  // before its life ends: the line is gone
+  void end();  // erases the line before the object is destroyed
   [[nodiscard]] bool shows() const { return watcher_.joinable(); }
 
  private:
@@ -49,10 +49,10 @@ class WorkProgress {
 
   std::string label_;
   std::vector<WorkStage> stages_;
-  WorkProgress* before_;                                     // that it stands in for while it lives
-  Clock::time_point start_ = Clock::now(), begun_ = start_;  // begun_: of the stage
+  WorkProgress* before_;                                     // the object that this one replaces while it exists
+  Clock::time_point start_ = Clock::now(), begun_ = start_;  // begun_: start of the stage
   std::size_t at_ = 0;
-  double part_ = 0.0;  // of the stage, as shown
+  double part_ = 0.0;  // displayed progress of the stage
   bool ended_ = false;
   std::mutex mutex_;
   std::condition_variable changed_;

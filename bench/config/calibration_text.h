@@ -10,8 +10,8 @@
 
 namespace tactbench::bench {
 
-// "certificate C-1, due 2027-01-31", "certificate not stated, OVERDUE since 2025-01-31", and which statements were not
-// used. `day` as 2026-01-31.
+// "certificate C-1, due 2027-01-31", "certificate not stated, OVERDUE since 2025-01-31", and which statements of the
+// file were not used. `day` as 2026-01-31.
 std::string calibration_text(const analysis::InstrumentCalibration& calibration, const std::string& day,
                              analysis::PressureUnit unit);
 

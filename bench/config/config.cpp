@@ -44,7 +44,7 @@ KeyTable safety_keys(SafetyLimits& limits) {
       key::number("command_psi", limits.command_psi, {"psi"}, {1.0, 100.0}, "No set-point above this is ever sent"),
       trip,
       key::number("safe_psi", limits.safe_psi, {"psi"}, {0.1, 1.0},
-                  "The chamber counts as vented when two witnesses read less than this"),
+                  "The chamber counts as vented when both pressure instruments read less than this"),
       key::number("disagreement_psi", limits.disagreement_psi, {"psi"}, {0.1, 50.0},
                   "Feedback and reference may differ by at most this much ..."),
       key::number("disagreement_s", limits.disagreement_s, {"s"}, {0.2, 60.0},
@@ -54,11 +54,11 @@ KeyTable safety_keys(SafetyLimits& limits) {
       key::number("rate_psi_per_s", limits.rate_psi_per_s, {"psi/s"}, {0.01, 200.0},
                   "The set-point never rises faster than this"),
       key::number("step_psi", limits.step_psi, {"psi"}, {0.01, 100.0},
-                  "The set-point never rises by more than this at once"),
+                  "The set-point never rises by more than this in one step"),
       key::number("stale_s", limits.stale_s, {"s"}, {0.1, 10.0},
-                  "Readings of pressure older than this refuse more load"),
+                  "The load is not increased if the last pressure reading is older than this"),
       key::number("contact_n", limits.contact_n, {"N"}, {0.05, 5.0},
-                  "From this force on the object counts as touching, and x and y must stand still"),
+                  "From this force on the object counts as touching, and x and y must not move"),
       key::number("clear_z_mm", limits.clear_z_mm, {"mm"}, {0.0, 1000.0},
                   "x and y move only while z is at or below this position"),
       key::made({"force_n", "list of numbers", "N", "each above 0, to 100",
@@ -69,44 +69,46 @@ KeyTable safety_keys(SafetyLimits& limits) {
 
 KeyTable dead_man_keys(DeadManConfig& dead_man) {
   return {key::flag("enabled", dead_man.enabled,
-                    "Starts a second process that vents and retracts when the program dies or hangs; a bench that is "
-                    "simulated inside the program needs none"),
+                    "Starts a second process that vents and retracts when the program dies or hangs; not needed by a "
+                    "bench simulated inside the program"),
           key::number("timeout_ms", dead_man.timeout_s, kMilliseconds, {100.0, 5000.0},
-                      "It acts when the program has given no sign of life for this long"),
+                      "The dead-man acts when the program has given no sign of life for this long"),
           key::number("progress_ms", dead_man.progress_s, kMilliseconds, {250.0, 30000.0},
-                      "It acts when the program's work has made no progress for this long"),
+                      "The dead-man acts when the program's work has made no progress for this long"),
           key::number("back_off_mm", dead_man.back_off_mm, {"mm"}, {0.0, 50.0},
-                      "How far it moves z back after stopping the stage"),
+                      "How far the dead-man moves z back after stopping the stage"),
           key::word("blind", dead_man.blind_ends, {"end", "warn"}, "end",
                     "What a run does when the dead-man cannot reach the module twice in a row: end, or only warn")};
 }
 
 KeyTable settling_keys(Settling& settling) {
-  return {key::number("band_psi", settling.band_psi, {"psi"}, {0.01, 5.0},
-                      "A level counts as reached when the feedback is within this distance of the set-point ..."),
-          key::number("slope_psi_per_s", settling.slope_psi_per_s, {"psi/s"}, {0.01, 100.0},
-                      "... and the reference changes more slowly than this; the dwell begins then"),
-          key::number("poll_s", settling.poll_s, {"s"}, {0.01, 0.5},
-                      "Time between two readings of pressure while a level settles; all are stored"),
-          key::number("trace_s", settling.trace_s, {"s"}, {0.05, 10.0, true},
-                      "Time between two readings of pressure during the dwell; 0: each time the module is fed"),
-          key::number("landing_s", settling.landing_s, {"s"}, {0.0, 10.0},
-                      "Rest before the last step of a ramp, so that it overshoots as little as a small step"),
-          key::number("timeout_s", settling.timeout_s, {"s"}, {1.0, 600.0},
-                      "A level that has not settled after this time is an error (TB-CHAMBER-TIMEOUT)")};
+  return {
+      key::number("band_psi", settling.band_psi, {"psi"}, {0.01, 5.0},
+                  "A level counts as reached when the feedback is within this distance of the set-point ..."),
+      key::number("slope_psi_per_s", settling.slope_psi_per_s, {"psi/s"}, {0.01, 100.0},
+                  "... and the reference changes more slowly than this; the dwell begins then"),
+      key::number("poll_s", settling.poll_s, {"s"}, {0.01, 0.5},
+                  "Time between two readings of pressure while a level settles; all are stored"),
+      key::number("trace_s", settling.trace_s, {"s"}, {0.05, 10.0, true},
+                  "Time between two readings of pressure during the dwell; 0: each time the module's watchdog is fed"),
+      key::number("landing_s", settling.landing_s, {"s"}, {0.0, 10.0},
+                  "Rest before the last step of a ramp, so that it overshoots as little as a small step"),
+      key::number("timeout_s", settling.timeout_s, {"s"}, {1.0, 600.0},
+                  "A level that has not settled after this time is an error (TB-CHAMBER-TIMEOUT)")};
 }
 
 KeyTable identity_keys(BenchConfig& config) {
-  return {key::name("id", config.id, "Name of the bench; one run a bench at a time, and stored runs are grouped by it"),
-          key::text("location", config.location, "Where it stands; for reports"),
+  return {key::name("id", config.id,
+                    "Name of the bench; a bench carries out one run at a time, and stored runs are grouped by it"),
+          key::text("location", config.location, "Location of the bench; for reports"),
           key::required(key::word("origin", config.origin, {"simulated", "hardware"},
                                   "Whether data come from a simulated rig or from hardware; the two are never mixed"))};
 }
 
 KeyTable simulator_keys(BenchConfig& config) {
   return {key::optional(key::word("simulator", config.in_process, {"in-process", "external"}, "in-process",
-                                  "Of a simulated bench: the simulation runs inside this program, or in tactbench "
-                                  "simulate or another program"))};
+                                  "For a simulated bench: whether the simulation runs inside this program, or in "
+                                  "tactbench simulate or another program"))};
 }
 
 KeyTable rate_keys(BenchConfig& config) {
@@ -136,7 +138,7 @@ BenchConfig read_document(sequences::TomlDocument document, const std::vector<se
     root.fail("simulation",
               simulated ? "an external simulator has its own [simulation] table"
                         : "a hardware bench has a [simulation] table",
-              "remove it, or set origin = \"simulated\": simulated data must never be taken for real data");
+              "remove it, or set origin = \"simulated\": simulated data must never be mistaken for real data");
   }
   const TomlTable limits = root.table("limits");
   read_whole(limits, safety_keys(config.limits));
@@ -147,8 +149,7 @@ BenchConfig read_document(sequences::TomlDocument document, const std::vector<se
   if (!config.dead_man.blind_ends && (config.watchdog_s <= 0.0 || !zero_volt_vents(config))) {
     root.table("dead_man")
         .fail("blind", "blind = \"warn\" on a module without a watchdog that tactbench sets and that vents",
-              "write blind = \"end\": when the dead-man cannot reach this module, nothing else would "
-              "vent");
+              "write blind = \"end\": if the dead-man cannot reach this module, nothing else would vent");
   }
   read_scanner(root.table("scanner"), config);
   if (root.has("stage")) read_stage(root.table("stage"), config);
@@ -224,7 +225,7 @@ std::string find_in(const std::string& folder, const std::string& name, bool wit
   }
   const std::string near = sequences::nearest_word(name, shipped);
   throw sequences::FileError(
-      "TB-FILE-MISSING", fmt::format("there is no file '{}', and no shipped {} of that name", name, what), name,
+      "TB-FILE-MISSING", fmt::format("there is no file '{}' and no shipped {} of that name", name, what), name,
       fmt::format("{}shipped: {}{}", near.empty() ? "" : fmt::format("did you mean '{}'? ", near),
                   fmt::join(shipped, ", "), with_ending ? "; 'tactbench init' writes files to start from" : ""));
 }
@@ -256,11 +257,11 @@ KeyTable geometry_keys(SensorType& type) {
                                      "Effective area of one taxel, for forces"),
                          "the square of pitch_mm"),
           key::number("orientation_deg", type.orientation_deg, {"°"}, {0.0, 360.0},
-                      "Direction of row 0 against the bench's x axis"),
+                      "Angle between row 0 and the bench's x axis"),
           key::span("output_range_v", type.output_low_v, type.output_high_v, {"V"},
                     "Lowest and highest voltage that the array can give"),
           key::required(key::word("full_scale", type.full_scale, {"highest mean output of the run"},
-                                  "What 100 % of full scale is, in figures that are given as a share of it"))};
+                                  "Definition of 100 % of full scale, for figures given as a share of it"))};
 }
 
 SensorType sensor_type_of(const TomlDocument& document) {
@@ -291,8 +292,8 @@ KeyTable rule_keys(analysis::Limits& limits) {
           key::name("name", limits.name, "Name of these limits; on reports"),
           key::word("rule", limits.rule, {"default", "simple", "guarded", "four-way", "report-only"},
                     "Decision rule (ILAC-G8:09/2019). simple: value <= limit; guarded: value <= limit - U; four-way: "
-                    "pass, conditional pass, conditional fail, fail; report-only: no verdict; default: four-way where "
-                    "U is known, else simple"),
+                    "pass, conditional pass, conditional fail, fail; report-only: no verdict; default: four-way if U "
+                    "is known, else simple"),
           key::required(key::number("mean_compensation_error_psi", limits.mean_compensation_error_psi, {"psi"}, {},
                                     "Largest mean error |estimate - reference| over all fitted taxels and frames")),
           key::required(key::number("worst_taxel_error_psi", limits.worst_taxel_error_psi, {"psi"}, {},
@@ -312,9 +313,9 @@ KeyTable mismatch_keys(analysis::Limits::Mismatch& mismatch) {
 
 KeyTable where_keys(analysis::Limits::Mpe& mpe) {
   return {key::optional(key::span("span_psi", mpe.low_psi, mpe.high_psi, {"psi"},
-                                  "Lowest and highest pressure between which it counts; or pressure_psi")),
+                                  "Lowest and highest pressure of the span to which it applies; or pressure_psi")),
           key::optional(key::number("pressure_psi", mpe.low_psi, {"psi"}, {},
-                                    "Level for which the maximum permissible error counts; or span_psi"))};
+                                    "Level to which the maximum permissible error applies; or span_psi"))};
 }
 
 KeyTable mpe_keys(analysis::Limits::Mpe& mpe) {
@@ -329,12 +330,12 @@ analysis::Limits::Mpe mpe_of(const TomlTable& row) {
   const bool span = row.has("span_psi");
   if (span == row.has("pressure_psi"))
     row.fail(span ? "span_psi" : "pressure_psi",
-             std::string("an [[mpe]] is of one level or of a span, and it names ") + (span ? "both" : "neither"),
+             std::string("an [[mpe]] applies to one level or to a span, but it names ") + (span ? "both" : "neither"),
              "write pressure_psi = 20, or span_psi = [4, 60]");
   read_keys(row, where_keys(mpe));
   if (!span) mpe.high_psi = mpe.low_psi;
   read_keys(row, mpe_keys(mpe));
-  if (!(mpe.mpe_psi > 0.0)) row.fail("mpe_psi", "a maximum permissible error is above 0", "write mpe_psi = 2.0");
+  if (!(mpe.mpe_psi > 0.0)) row.fail("mpe_psi", "a maximum permissible error must be above 0", "write mpe_psi = 2.0");
   row.finish();
   return mpe;
 }

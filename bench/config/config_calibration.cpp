@@ -21,11 +21,12 @@ sequences::Key date_key(const char* name, std::string& date, const char* meaning
 
 sequences::KeyTable stated_keys(StatedCalibration& stated, const char* uncertainty_key, const sequences::Unit& unit,
                                 const char* certificate_meaning, const char* uncertainty_meaning) {
-  return {key::text("certificate", stated.certificate, certificate_meaning),
-          date_key("calibrated", stated.calibrated, "Date of the calibration, as \"2026-01-31\""),
-          date_key("due", stated.due,
-                   "Last day that the calibration holds; a run made later has no verdict on what rests on it"),
-          key::number(uncertainty_key, stated.expanded_uncertainty, unit, {0.0, 10.0}, uncertainty_meaning)};
+  return {
+      key::text("certificate", stated.certificate, certificate_meaning),
+      date_key("calibrated", stated.calibrated, "Date of the calibration, as \"2026-01-31\""),
+      date_key("due", stated.due,
+               "Last day on which the calibration is valid; figures of later runs that depend on it are inconclusive"),
+      key::number(uncertainty_key, stated.expanded_uncertainty, unit, {0.0, 10.0}, uncertainty_meaning)};
 }
 
 void check_dates(const sequences::TomlTable& table, const StatedCalibration& stated) {
@@ -49,16 +50,16 @@ sequences::KeyTable chain_keys(StatedCalibration& stated, devices::Origin origin
 
 void check_chain(const sequences::TomlTable& table, const StatedCalibration& stated, const std::string& input_key) {
   if (stated.covers == "chain" && stated.input_limit > 0.0)
-    table.fail(input_key, "the certificate covers the whole chain, and so the input that reads it",
+    table.fail(input_key, "the certificate covers the whole chain, including the input that reads it",
                fmt::format("remove {}, or write certificate_covers = \"transducer\"", input_key));
   if (stated.covers == "transducer" && !(stated.input_limit > 0.0))
-    table.fail("certificate_covers",
-               fmt::format("the certificate covers the transducer alone, and {}, the limit of error of what reads it, "
-                           "is not stated",
-                           input_key),
-               fmt::format("add {} from that instrument's data sheet, or write \"chain\" where both were calibrated "
-                           "together",
-                           input_key));
+    table.fail(
+        "certificate_covers",
+        fmt::format("the certificate covers only the transducer, but {}, the limit of error of the input that reads "
+                    "it, is not stated",
+                    input_key),
+        fmt::format("add {} from that instrument's data sheet, or write \"chain\" if both were calibrated together",
+                    input_key));
 }
 
 namespace {
@@ -91,10 +92,10 @@ void refuse_placeholders(const BenchConfig& config) {
   if (config.origin != devices::Origin::kHardware) return;
   const std::vector<std::string> found = placeholders_of(config), unclear = without_covers(config);
   if (found.empty() && !unclear.empty())
-    throw Error("TB-BENCH-COVERS", fmt::format("{}: not stated what the certificate covers", fmt::join(unclear, ", ")),
-                config.file);
+    throw Error("TB-BENCH-COVERS",
+                fmt::format("{}: what the certificate covers is not stated", fmt::join(unclear, ", ")), config.file);
   if (found.empty()) return;
-  throw Error("TB-BENCH-FILL-IN", fmt::format("the bench file is not filled in: {}", fmt::join(found, ", ")),
+  throw Error("TB-BENCH-FILL-IN", fmt::format("the bench file still contains FILL-IN: {}", fmt::join(found, ", ")),
               config.file);
 }
 

@@ -1,4 +1,4 @@
-// The calibrations stated in a bench file: certificate, dates, U; and values that still say FILL-IN.
+// The calibrations stated in a bench file: certificate, dates, U; and values that are still FILL-IN.
 #pragma once
 
 #include <string>
@@ -9,7 +9,8 @@
 
 namespace tactbench::bench {
 
-// A date as "2026-01-31"; empty where the key is absent or empty. FileError with place and form for anything else.
+// A date as "2026-01-31"; empty if the key is absent or empty. Throws FileError with place and format for anything
+// else.
 sequences::Key date_key(const char* name, std::string& date, const char* meaning);
 
 // certificate, calibrated, due and the expanded uncertainty (key and unit of the instrument, 0 to 10).
@@ -18,22 +19,22 @@ sequences::KeyTable stated_keys(StatedCalibration& stated, const char* uncertain
 // Throws FileError where the dates contradict each other.
 void check_dates(const sequences::TomlTable& table, const StatedCalibration& stated);
 
-// What the certificate covers and does not cover: certificate_covers, drift, and the limit of error of the input that
-// reads the instrument (keys and units of the instrument, 0 to 10). A simulated bench that does not state it has
+// Keys that state what the certificate covers and does not cover: certificate_covers, drift, and the limit of error of
+// the input that reads the instrument (keys and units of the instrument, 0 to 10). The default on a simulated bench is
 // "chain".
 struct ChainKeys {
   const char *drift, *drift_unit, *input, *input_unit, *covers_meaning, *input_meaning;
 };
 sequences::KeyTable chain_keys(StatedCalibration& stated, devices::Origin origin, const ChainKeys& names);
-// Throws FileError where they contradict each other.
+// Throws FileError if the keys contradict each other.
 void check_chain(const sequences::TomlTable& table, const StatedCalibration& stated, const std::string& input_key);
 
-// Every value that still says FILL-IN, with its place: "reference.certificate (bench.toml:77)".
+// Every value that is still FILL-IN, with its place: "reference.certificate (bench.toml:77)".
 std::vector<std::string> placeholders_of(const BenchConfig& config);
 
-// Before anything is touched: throws Error, exit code 2, when a bench that drives hardware holds one
-// (TB-BENCH-FILL-IN), or states a certificate without saying what it covers (TB-BENCH-COVERS). Stored bench files are
-// read without it.
+// Called before any device is touched: throws Error, exit code 2, if the file of a bench with hardware contains a
+// FILL-IN (TB-BENCH-FILL-IN), or a certificate without what it covers (TB-BENCH-COVERS). Stored bench files are read
+// without this check.
 void refuse_placeholders(const BenchConfig& config);
 
 }  // namespace tactbench::bench

@@ -29,7 +29,7 @@ KeyTable force_name_keys(ForceConfig& force) {
                     "Interface of the ATI sensor: Net F/T, DAQ F/T (an NI card) or Digital F/T (a serial line)"),
           key::text("model", force.model, "Maker and model, stored with each run"),
           key::text("serial", force.expected_serial,
-                    "Serial number of the transducer or its calibration; another one is refused. \"\": any")};
+                    "Serial number of the transducer or its calibration; any other is refused. \"\": any")};
 }
 
 KeyTable force_stated_keys(StatedCalibration& stated) {
@@ -44,13 +44,14 @@ constexpr ChainKeys kForceChain = {
     "input_limit_n",
     "N",
     "What the certificate covers: the transducer together with the electronics that read it, or the transducer alone",
-    "Limit of error of what reads the transducer, by its data sheet; 0: contained in the certificate, or not stated"};
+    "Limit of error of the electronics that read the transducer, from the data sheet; 0: included in the certificate, "
+    "or not stated"};
 
 KeyTable force_keys(ForceConfig& force) {
-  return {
-      key::number("overload_share", force.overload_share, kOne, {0.05, 1.0},
-                  "Share of each axis' rated range from which on the reading counts as an overload"),
-      key::number("records_per_reading", force.records, kOne, {1, 1000}, "Records that are averaged into one reading")};
+  return {key::number("overload_share", force.overload_share, kOne, {0.05, 1.0},
+                      "Share of each axis' rated range above which the reading counts as an overload"),
+          key::number("records_per_reading", force.records, kOne, {1, 1000},
+                      "Number of records averaged into one reading")};
 }
 
 // --- Net F/T
@@ -67,7 +68,7 @@ KeyTable net_keys(devices::NetFtOptions& net, bool in_process) {
                       "Net F/T: port of its web page, where the calibration is read; 0 on a simulated bench: any free "
                       "one"),
           key::text("page_file", net.page_file,
-                    "Net F/T: a saved netftapi2.xml, read in place of its web page; \"\": read the page"),
+                    "Net F/T: a saved netftapi2.xml, read instead of its web page; \"\": read the page"),
           key::number("reply_timeout_ms", net.reply_timeout, kMilliseconds, {10.0, 10000.0},
                       "Net F/T: longest time to wait for records, beyond the time that they take")};
 }
@@ -130,21 +131,22 @@ Key three_key(const char* name, std::array<double, 3>& values, const char* unit,
 KeyTable daq_keys(ForceConfig& force) {
   return {key::required(key::text("calibration_file", force.calibration_file, "DAQ F/T: the transducer's .cal file")),
           key::flag("temperature_compensation", force.daq.temperature_compensation,
-                    "DAQ F/T: use the thermistor, where the .cal file has coefficients for it")};
+                    "DAQ F/T: use the thermistor, if the .cal file has coefficients for it")};
 }
 
 KeyTable tool_keys(devices::AtiTransform& tool) {
-  return {three_key("displacement_mm", tool.displacement_mm, "mm",
-                    "DAQ F/T: where the wrench is reported, [x, y, z] from the transducer's origin"),
-          three_key("rotation_deg", tool.rotation_deg, "°",
-                    "DAQ F/T: turn of that frame about x, then the new y, then the new z")};
+  return {
+      three_key("displacement_mm", tool.displacement_mm, "mm",
+                "DAQ F/T: origin of the frame in which the wrench is reported, [x, y, z] from the transducer's origin"),
+      three_key("rotation_deg", tool.rotation_deg, "°",
+                "DAQ F/T: rotation of that frame about x, then the new y, then the new z")};
 }
 
 KeyTable gauges_device_keys(devices::DaqmxGaugesOptions& gauges) {
   return {key::text("library", gauges.library, "DAQ F/T: path of the NI-DAQmx library; \"\": where NI installs it"),
           key::text("device", gauges.device, "DAQ F/T: name of the NI card in NI's configuration"),
           key::text("card_serial", gauges.expected_serial,
-                    "DAQ F/T: serial number of the NI card, hexadecimal; another one is refused. \"\": any")};
+                    "DAQ F/T: serial number of the NI card, hexadecimal; any other is refused. \"\": any")};
 }
 
 KeyTable gauges_keys(devices::DaqmxGaugesOptions& gauges) {
@@ -155,7 +157,7 @@ KeyTable gauges_keys(devices::DaqmxGaugesOptions& gauges) {
           key::number("range_v", gauges.range, {"V"}, {0.1, 10.0},
                       "DAQ F/T: inputs measure from minus this voltage to plus this"),
           key::number("sample_rate_hz", gauges.sample_rate_hz, {"Hz"}, {1.0, 1e6},
-                      "DAQ F/T: samples of all gauges a second")};
+                      "DAQ F/T: samples of all gauges per second")};
 }
 
 void read_daq(const TomlTable& table, const BenchConfig& config, ForceConfig& force) {
@@ -195,7 +197,7 @@ KeyTable digital_keys(ForceConfig& force) {
       key::number("unit", digital.unit, kOne, {1, 247}, "Digital F/T: Modbus unit number"),
       key::flag("low_word_first", digital.low_word_first,
                 "Digital F/T: whether the lower of two calibration registers comes first"),
-      key::flag("local_echo", digital.local_echo, "Digital F/T: whether the adapter of the line returns what it sends"),
+      key::flag("local_echo", digital.local_echo, "Digital F/T: whether the adapter of the line echoes what is sent"),
       key::number("samples_per_second", digital.samples_per_second, {"1/s"}, {1.0, 20000.0},
                   "Digital F/T: rate of its stream")};
 }

@@ -1,4 +1,4 @@
-// Reads the laboratory file: facts that reports state and no instrument can supply. Unknown keys are errors; missing
+// Reads the laboratory file: facts for reports that no instrument can supply. Unknown keys are errors; missing
 // ones are empty, except for the required `schema` and an instrument's `serial`.
 #pragma once
 

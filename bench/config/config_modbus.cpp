@@ -21,17 +21,17 @@ KeyTable rtu_keys(devices::ModbusEndpoint& endpoint, bool simulated) {
   if (simulated) endpoint.serial_port = kSimulatedLine;
   const sequences::Key port =
       key::text("serial_port", endpoint.serial_port,
-                "Serial line, for transport = \"rtu\": a device, best a name in /dev/serial/by-id");
-  return {simulated ? port : key::required(port),
-          key::number("baud", endpoint.baud, {"bit/s"}, {110, 921600}, "Speed of the serial line"),
-          key::word("parity", endpoint.parity, {"N", "E", "O"}, "Parity of the serial line: none, even or odd"),
-          key::number("stop_bits", endpoint.stop_bits, kOne, {1, 2}, "Stop bits of the serial line"),
-          key::number("unit", endpoint.unit, kOne, {1, 247}, ""),
-          key::flag("local_echo", endpoint.local_echo,
-                    "The adapter of the serial line returns what it sends: that much is read first and compared"),
-          key::number("max_reply_delay_ms", endpoint.max_reply_delay, kMilliseconds, {1.0, 60000.0},
-                      "The latest that an answer can still come on a serial line; after an error the line rests for "
-                      "this long")};
+                "Serial line, for transport = \"rtu\": a device, preferably a name in /dev/serial/by-id");
+  return {
+      simulated ? port : key::required(port),
+      key::number("baud", endpoint.baud, {"bit/s"}, {110, 921600}, "Speed of the serial line"),
+      key::word("parity", endpoint.parity, {"N", "E", "O"}, "Parity of the serial line: none, even or odd"),
+      key::number("stop_bits", endpoint.stop_bits, kOne, {1, 2}, "Stop bits of the serial line"),
+      key::number("unit", endpoint.unit, kOne, {1, 247}, ""),
+      key::flag("local_echo", endpoint.local_echo,
+                "Whether the adapter of the serial line echoes what is sent; the echo is read first and compared"),
+      key::number("max_reply_delay_ms", endpoint.max_reply_delay, kMilliseconds, {1.0, 60000.0},
+                  "Longest delay of an answer on a serial line; after an error the line is not used for this long")};
 }
 
 KeyTable tcp_keys(devices::ModbusEndpoint& endpoint) {
@@ -90,17 +90,16 @@ KeyTable format_keys(devices::RegisterFormat& format) {
 
 KeyTable quantity_keys(devices::ModbusQuantity& quantity, const char* physical_key, const char* unit,
                        const char* physical_meaning) {
-  KeyTable keys = {
-      key::number("function", quantity.function, kOne, {3, 4},
-                  "Modbus function that reads it: 3 holding registers, 4 input registers"),
-      key::required(
-          key::number("address", quantity.address, kOne, {0, 65535}, "Address of its first register, counted from 0")),
-      key::number("spare", quantity.spare, kOne, {0, 8},
-                  "Registers behind it that may be read too; RTU readings then change length, which shows a stale "
-                  "answer")};
+  KeyTable keys = {key::number("function", quantity.function, kOne, {3, 4},
+                               "Modbus function that reads it: 3 holding registers, 4 input registers"),
+                   key::required(key::number("address", quantity.address, kOne, {0, 65535},
+                                             "Address of its first register, counted from 0")),
+                   key::number("spare", quantity.spare, kOne, {0, 8},
+                               "Readable registers after it; RTU readings then change length, which shows a stale "
+                               "answer")};
   for (const sequences::Key& row : format_keys(quantity.format)) keys.push_back(row);
   keys.push_back(key::span("raw_span", quantity.scale.raw_low, quantity.scale.raw_high, {"counts"},
-                           "Two values of the register, which the physical span below translates"));
+                           "Two values of the register; they correspond to the ends of the physical span"));
   keys.push_back(key::span(physical_key, quantity.scale.low, quantity.scale.high, {unit}, physical_meaning));
   return keys;
 }

@@ -22,7 +22,8 @@ void add_endpoint_keys(std::vector<sequences::KeyFacts>& all, const std::string&
 sequences::KeyTable unit_keys(devices::ModbusEndpoint& endpoint, long lowest);
 // Keys type, word_order.
 sequences::KeyTable format_keys(devices::RegisterFormat& format);
-// Keys function, address, spare, type, word_order, raw_span; `physical_key` (such as "span_psi") is its other end.
+// Keys function, address, spare, type, word_order, raw_span; `physical_key` (such as "span_psi") is the range in the
+// physical unit.
 sequences::KeyTable quantity_keys(devices::ModbusQuantity& quantity, const char* physical_key, const char* unit,
                                   const char* physical_meaning);
 

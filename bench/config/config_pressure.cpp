@@ -26,12 +26,11 @@ namespace {
 
 bool has_own_line(const TomlTable& table) { return table.has("host") || table.has("port") || table.has("serial_port"); }
 
-// Of a line of its own, or another unit on the module's.
+// The endpoint on a separate line, or another unit on the module's line.
 devices::ModbusEndpoint endpoint_or_unit(const TomlTable& table, const BenchConfig& config) {
   if (has_own_line(table)) return read_endpoint(table, config.in_process, std::chrono::seconds(1));
   if (!config.module.present()) {
-    table.fail("unit", "the bench has no [module] whose line it could share",
-               "give it a host or a serial_port of its own");
+    table.fail("unit", "the bench has no [module] whose line it could share", "give it its own host or serial_port");
   }
   devices::ModbusEndpoint endpoint = config.module.endpoint;
   read_keys(table, unit_keys(endpoint, 1));
@@ -42,10 +41,10 @@ KeyTable profile_keys(std::string& profile, const char* meaning) {
   return {key::required(key::text("profile", profile, meaning))};
 }
 constexpr const char* kOfModule =
-    "Analog module in front of the regulator, or, beside a serial one, that reads the transducer: name of a shipped "
-    "profile, or a file of yours";
+    "Analog module that drives the regulator or, with a serial regulator, reads the transducer: name of a shipped "
+    "profile, or your own file";
 constexpr const char* kOfInputModule =
-    "Module that reads feedback and reference, where the first has no inputs: name of a shipped profile, or a file";
+    "Module that reads feedback and reference, if the first has no inputs: name of a shipped profile, or a file";
 
 std::string profile_of(const TomlTable& table, const char* meaning) {
   std::string profile;
@@ -74,8 +73,8 @@ void read_channels(const TomlTable& table, devices::ModuleProfile& profile) {
 KeyTable watchdog_keys(BenchConfig& config) {
   config.watchdog_s = 1.0;  // where the module has one
   return {key::number("watchdog_ms", config.watchdog_s, kMilliseconds, {500.0, 60000.0, true},
-                      "The module sets its outputs to 0 V when it is not written to for this long; of a module whose "
-                      "profile has no watchdog 0, or omitted")};
+                      "The module sets its outputs to 0 V when it is not written to for this long; 0 or omitted for a "
+                      "module whose profile has no watchdog")};
 }
 
 KeyTable dump_keys(devices::ModuleProfile& profile) {
@@ -100,10 +99,10 @@ ModuleConfig read_module(const TomlTable& table, const BenchConfig& config, cons
   return module;
 }
 
-// SideBySide a regulator that needs no module, one may read the transducer.
+// With a regulator that needs no module, a module may read the transducer.
 void read_reading_module(const TomlTable& root, BenchConfig& config) {
   if (root.has("input_module")) {
-    root.fail("input_module", "a serial regulator has no output module that another one would stand beside",
+    root.fail("input_module", "a serial regulator has no output module, so there is no separate input module",
               "name the module that reads the transducer in [module]");
   }
   if (!root.has("module")) return;
@@ -161,16 +160,15 @@ void read_modules(const TomlTable& root, BenchConfig& config) {
 
 KeyTable named_keys(devices::RegulatorOptions& regulator) {
   regulator.feed_interval = std::chrono::milliseconds(450);
-  return {
-      key::text("model", regulator.model, "Maker and model, stored with each run"),
-      key::required(key::text("serial", regulator.serial, "Serial number, stored with each run")),
-      key::optional(key::text("relief", regulator.relief,
-                              "What relieves the chamber where the regulator may not, e.g. \"relief valve, 5 psi\": "
-                              "without it a regulator that 0 V does not vent is refused, and a serial one, which "
-                              "keeps its set-point on a dead line")),
-      key::number("feed_interval_ms", regulator.feed_interval, kMilliseconds, {50.0, 500.0},
-                  "The set-point is written again and read back this often; at most 0.6 of the module's "
-                  "watchdog_ms")};
+  return {key::text("model", regulator.model, "Maker and model, stored with each run"),
+          key::required(key::text("serial", regulator.serial, "Serial number, stored with each run")),
+          key::optional(key::text(
+              "relief", regulator.relief,
+              "Device that relieves the chamber if the regulator may not, e.g. \"relief valve, 5 psi\"; required for a "
+              "regulator that 0 V does not vent, and for a serial one, which keeps its set-point if the line fails")),
+          key::number("feed_interval_ms", regulator.feed_interval, kMilliseconds, {50.0, 500.0},
+                      "The set-point is written again and read back this often; at most 0.6 of the module's "
+                      "watchdog_ms")};
 }
 
 KeyTable module_regulator_keys(devices::RegulatorOptions& regulator) {
@@ -183,7 +181,7 @@ KeyTable module_regulator_keys(devices::RegulatorOptions& regulator) {
                   "Input of the module that carries the regulator's monitor voltage, counted from 0"),
       key::span("span_v", span.volts_low, span.volts_high, {"V"},
                 "Lowest and highest voltage of set-point and monitor ..."),
-      key::span("span_bar", span.low, span.high, {"bar", devices::kPsiPerBar}, "... and the pressures that they mean")};
+      key::span("span_bar", span.low, span.high, {"bar", devices::kPsiPerBar}, "... and the corresponding pressures")};
 }
 
 KeyTable serial_regulator_keys(BenchConfig& config) {
@@ -191,7 +189,7 @@ KeyTable serial_regulator_keys(BenchConfig& config) {
   devices::SerialAddress& line = config.controller_address;
   line.baud = 19200;
   config.regulator.command_span = {Volts(0.0), Volts(10.0), Psi(0.0), Psi(100.0)};  // of the simulated plant
-  return {key::text("port", line.port, "Serial: its line, a device, best a name in /dev/serial/by-id"),
+  return {key::text("port", line.port, "Serial: its line, a device, preferably a name in /dev/serial/by-id"),
           key::text("usb_serial", line.usb_serial,
                     "Serial: serial number of the USB adapter; finds the line instead of port, or checks it"),
           key::number("baud", line.baud, {"bit/s"}, {2400, 921600}, "Serial: speed of the line"),
@@ -199,11 +197,11 @@ KeyTable serial_regulator_keys(BenchConfig& config) {
                                               "N", "O", "P", "Q", "R", "S", "T", "U", "V", "W", "X", "Y", "Z"},
                     "Serial: letter of the controller on its line"),
           key::number("full_scale_psi", config.regulator.command_span.high, {"psi"}, {1.0, 600.0},
-                      "Serial: highest set-point of the controller, which has to be set to psi gauge"),
+                      "Serial: highest set-point of the controller, which must be set to psi gauge"),
           key::number("decimals", controller.decimals, kOne, {0, 2},
                       "Serial: decimals of its set-point, as its display shows them"),
           key::number("pressure_field", controller.pressure_field, kOne, {1, 16},
-                      "Serial: place of the pressure in its answer, counted from 1 behind the letter"),
+                      "Serial: place of the pressure in its answer, counted from 1 after the letter"),
           key::number("setpoint_field", controller.setpoint_field, kOne, {1, 16},
                       "Serial: place of the set-point in its answer"),
           key::flag("exhaust", controller.exhausts, "Serial: it has an exhaust valve, which every vent then opens"),
@@ -218,20 +216,19 @@ void check_zero_volt(const TomlTable& table, BenchConfig& config) {
   const devices::LinearScale& output = config.module.profile.outputs.volts;
   if (!zero_volt_vents(config) && regulator.relief.empty()) {
     table.fail("span_v",
-               fmt::format("0 V at the regulator means {}, which is no vent: a module without power, and one "
-                           "whose watchdog acts, would set it",
+               fmt::format("0 V at the regulator means {}, which does not vent: a module without power, or whose "
+                           "watchdog acts, would set it",
                            analysis::both_units(zero_volt_psi(config), 1)),
-               "use a regulator that vents at 0 V, or name what relieves the chamber then: relief = \"...\"");
+               "use a regulator that vents at 0 V, or name the device that relieves the chamber: relief = \"...\"");
   }
   const Volts at_zero = span.voltage(Psi(0.0));
   const bool within = at_zero >= span.volts_low && at_zero <= span.volts_high;
   if (!within || at_zero < Volts(output.low) || at_zero > Volts(output.high)) {
-    table.fail(
-        "span_v",
-        fmt::format("0 psi needs {:.2f} V, and the regulator takes {:g} to {:g} V, the module gives {:g} to {:g} "
-                    "V: the chamber could never be vented",
-                    at_zero.value(), span.volts_low.value(), span.volts_high.value(), output.low, output.high),
-        "correct span_v and span_bar, or drive the regulator by a module that reaches this voltage");
+    table.fail("span_v",
+               fmt::format("0 psi needs {:.2f} V, but the regulator accepts {:g} to {:g} V and the module gives {:g} "
+                           "to {:g} V: the chamber could never be vented",
+                           at_zero.value(), span.volts_low.value(), span.volts_high.value(), output.low, output.high),
+               "correct span_v and span_bar, or drive the regulator by a module that reaches this voltage");
   }
   if (!zero_volt_vents(config)) regulator.rest = at_zero;
 }
@@ -265,9 +262,9 @@ void read_serial_regulator(const TomlTable& table, BenchConfig& config) {
   }
   if (regulator.relief.empty()) {
     table.fail("relief",
-               "a serial pressure controller has no watchdog: on a dead line, and without power, it may keep the "
-               "chamber under pressure",
-               "name what relieves the chamber then, e.g. relief = \"relief valve, 62 psi, and a hand valve\"");
+               "a serial pressure controller has no watchdog: if its line or its power fails, it may keep the chamber "
+               "under pressure",
+               "name the device that relieves the chamber, e.g. relief = \"relief valve, 62 psi, and a hand valve\"");
   }
 }
 
@@ -282,7 +279,7 @@ constexpr struct {
 KeyTable kind_keys(BenchConfig& config) {
   return {key::word("kind", config.regulator_kind, words_of(kRegulators),
                     "How it is commanded: by a voltage of the analog module, or as a pressure controller with ASCII "
-                    "commands on a serial line (Alicat's manner)")};
+                    "commands on a serial line (as Alicat)")};
 }
 
 void read_regulator(const TomlTable& root, BenchConfig& config) {
@@ -301,7 +298,7 @@ void read_regulator(const TomlTable& root, BenchConfig& config) {
 KeyTable correction_keys(devices::PressureCorrection& correction) {
   return {key::numbers("reading_psi", correction.reading_psi, {"psi"}, "Readings of the certificate's table, rising"),
           key::numbers("correction_psi", correction.correction_psi, {"psi"},
-                       "What is added at each of these readings; between them a straight line"),
+                       "Correction added at each of these readings; linear in between"),
           key::numbers("expanded_uncertainty_psi", correction.expanded_uncertainty_psi, {"psi"},
                        "Expanded uncertainty of the corrected value at each reading"),
           key::number("coverage_factor", correction.coverage_factor, kOne, {1.0, 4.0},
@@ -337,7 +334,7 @@ devices::PressureCorrection read_correction(const TomlTable& table, bool page_as
 }
 
 KeyTable gauge_keys(GaugeConfig& gauge) {
-  return quantity_keys(gauge.quantity, "span_psi", "psi", "Pressures that the values of raw_span mean");
+  return quantity_keys(gauge.quantity, "span_psi", "psi", "Pressures that correspond to raw_span");
 }
 
 void read_gauge(const TomlTable& table, BenchConfig& config) {
@@ -350,13 +347,13 @@ void read_gauge(const TomlTable& table, BenchConfig& config) {
 
 KeyTable independent_keys(BenchConfig& config) {
   return {key::flag("independent", config.reference_independent,
-                    "Whether a transducer or gauge of its own measures the pressure; without one the regulator's "
-                    "monitor stands in, and reports say \"not independently traceable\"")};
+                    "Whether a separate transducer or gauge measures the pressure; without one the regulator's monitor "
+                    "is used, and reports say \"not independently traceable\"")};
 }
 
 KeyTable reference_stated_keys(StatedCalibration& stated) {
   return stated_keys(stated, "expanded_uncertainty_psi", {"psi"}, "Number of the calibration certificate; \"\": none",
-                     "Expanded uncertainty U of the certificate (k = 2); a correction brings its own");
+                     "Expanded uncertainty U of the certificate (k = 2); a correction has its own");
 }
 
 constexpr ChainKeys kReferenceChain = {
@@ -365,20 +362,19 @@ constexpr ChainKeys kReferenceChain = {
     "input_limit_v",
     "V",
     "What the certificate covers: the transducer together with the input that reads it, or the transducer alone",
-    "Limit of error of the input that reads it, by its data sheet; 0: contained in the certificate, or not stated"};
+    "Limit of error of the input that reads it, from the data sheet; 0: included in the certificate, or not stated"};
 
 KeyTable reference_limit_keys(BenchConfig& config) {
   ReferenceLimits& limits = config.reference_limits;
   return {
       key::number("hysteresis_psi", limits.hysteresis_psi, {"psi"}, {0.0, 10.0},
-                  "Limit of the transducer's hysteresis, to each side; 0: contained or not stated"),
+                  "Limit of the transducer's hysteresis, to each side; 0: included or not stated"),
       key::number("zero_psi", limits.zero_psi, {"psi"}, {0.0, 10.0},
-                  "Limit of the transducer's zero deviation; 0: contained or not stated"),
+                  "Limit of the transducer's zero deviation; 0: included or not stated"),
       key::number("temperature_psi", limits.temperature_psi, {"psi"}, {0.0, 10.0},
-                  "Limit of what temperature does to the transducer where the bench stands; 0: contained or not "
-                  "stated"),
+                  "Limit of the transducer's temperature effect at the bench; 0: included or not stated"),
       key::number("resolution_psi", config.reference_resolution_psi, {"psi"}, {0.0, 10.0},
-                  "Smallest step that it shows; 0: that of the converter that reads it"),
+                  "Resolution of its reading; 0: that of the converter that reads it"),
       key::optional(key::span("certificate_range_psi", config.certificate_low_psi, config.certificate_high_psi, {"psi"},
                               "Lowest and highest pressure of the certificate, beyond which nothing is traceable; "
                               "without it: any, within the readings of a correction"))};
@@ -397,7 +393,7 @@ KeyTable channel_keys(devices::TransducerOptions& reference) {
 KeyTable reference_span_keys(devices::LinearSpan& span) {
   span.high = Psi(100.0);
   return {key::span("span_v", span.volts_low, span.volts_high, {"V"}, "Lowest and highest voltage of its output ..."),
-          key::span("span_psi", span.low, span.high, {"psi"}, "... and the pressures that they mean")};
+          key::span("span_psi", span.low, span.high, {"psi"}, "... and the corresponding pressures")};
 }
 
 KeyTable correction_file_keys(std::string& file) {
@@ -424,19 +420,19 @@ void read_reference(const TomlTable& table, BenchConfig& config) {
       if (table.has(key))
         table.fail(key, "a gauge reads pressure directly", fmt::format("remove '{}' or the gauge", key));
     }
-    // "transducer" would have asked for input_limit_v.
+    // "transducer" would require input_limit_v.
     config.reference_stated.covers = "chain";
     read_gauge(table.table("gauge"), config);
   } else if (config.reference_independent) {
     if (!config.module.present()) {
       table.fail("independent", "no [module] reads the transducer",
-                 "add [module], or [reference.gauge] with a line of its own; or set independent = false: the "
-                 "controller's own transducer then stands in");
+                 "add [module], or [reference.gauge] with its own line; or set independent = false: the controller's "
+                 "own transducer is then used");
     }
     read_keys(table, channel_keys(reference));
     if (config.regulator_kind == RegulatorKind::kModule && reference.channel == config.regulator.feedback_channel) {
       table.fail("channel", "the reference shares the regulator's feedback channel",
-                 "wire the transducer to an input of its own, or set independent = false");
+                 "wire the transducer to a separate input, or set independent = false");
     }
     read_keys(table, reference_span_keys(reference.span));
   } else {  // the regulator's own monitor output serves as reference
@@ -468,11 +464,11 @@ KeyTable sensor_keys(EnvironmentSensor& sensor) {
 }
 
 KeyTable thermometer_keys(EnvironmentSensor& sensor) {
-  return quantity_keys(sensor.place, "span_c", "°C", "Temperatures that the values of raw_span mean");
+  return quantity_keys(sensor.place, "span_c", "°C", "Temperatures that correspond to raw_span");
 }
 
 KeyTable supply_keys(EnvironmentSensor& sensor) {
-  return quantity_keys(sensor.place, "span_bar", "bar", "Supply pressures that the values of raw_span mean");
+  return quantity_keys(sensor.place, "span_bar", "bar", "Supply pressures that correspond to raw_span");
 }
 
 KeyTable sensor_stated_keys(StatedCalibration& stated) {
@@ -486,8 +482,8 @@ constexpr ChainKeys kSensorChain = {
     "°C",
     "input_limit_c",
     "°C",
-    "What that certificate covers: the sensor together with what reads it, or the sensor alone",
-    "Limit of error of what reads it, by its data sheet; 0: contained in the certificate, or not stated"};
+    "What that certificate covers: the sensor together with the input that reads it, or the sensor alone",
+    "Limit of error of the input that reads it, from the data sheet; 0: included in the certificate, or not stated"};
 
 EnvironmentSensor read_sensor(const TomlTable& table, const BenchConfig& config) {
   EnvironmentSensor sensor;

@@ -39,27 +39,27 @@ Key function_key(const char* name, int& function, const std::vector<int>& known,
 KeyTable scale_keys(devices::LinearScale& volts) {
   return {key::span("raw_span", volts.raw_low, volts.raw_high, {"counts"}, "Two values of the register ..."),
           key::span("volts_span", volts.low, volts.high, {"V"},
-                    "... and the voltages that they mean; 0 V must lie between")};
+                    "... and the corresponding voltages; 0 V must be between them")};
 }
 
 void read_scale(const TomlTable& table, devices::LinearScale& volts) {
   read_keys(table, scale_keys(volts));
   if (volts.low > 0.0 || volts.high <= 0.0)
-    table.fail("volts_span", "the span does not hold 0 V", "give the counts of a span that begins at or below 0 V");
+    table.fail("volts_span", "the span does not include 0 V", "give the counts of a span that begins at or below 0 V");
 }
 
 KeyTable output_keys(devices::ModuleOutputs& out) {
   return {function_key("function", out.function, {6, 16, 23},
                        "Modbus function that writes: 6 one register, 16 several, 23 several and reads the inputs"),
           key::number("address", out.address, kOne, {0, 65535},
-                      "Register of output 0, counted from 0; one register an output"),
+                      "Register of output 0, counted from 0; one register per output"),
           key::required(key::number("channels", out.channels, kOne, {1, kMostRegisters}, "Number of outputs")),
           function_key("readback_function", out.readback, {0, 3, 4},
                        "Function that reads the outputs back after each write; 0: it cannot"),
           key::number("dead_band_counts", out.dead_band, {"counts"}, {0, 1000},
-                      "What is read back may differ from what was written by this much"),
+                      "Largest difference between the written and the read-back value"),
           key::number("deadline_ms", out.deadline, kMilliseconds, {1.0, 10000.0, true},
-                      "For this long after a write it may differ by more; 0: never")};
+                      "Time after a write in which it may differ by more; 0: never")};
 }
 
 devices::ModuleOutputs read_outputs(const TomlTable& table) {
@@ -75,17 +75,16 @@ devices::ModuleOutputs read_outputs(const TomlTable& table) {
 
 KeyTable input_keys(devices::ModuleInputs& in) {
   constexpr int kMostInputs = kMostRegisters / 2;  // of two registers
-  KeyTable keys = {
-      function_key("function", in.function, {3, 4},
-                   "Modbus function that reads: 3 holding registers, 4 input registers"),
-      key::number("address", in.address, kOne, {0, 65535}, "Register of input 0, counted from 0"),
-      key::required(key::number("channels", in.channels, kOne, {1, kMostInputs}, "Number of inputs")),
-      key::number("spare", in.spare, kOne, {0, 8},
-                  "Registers behind the last input that may be read too; RTU readings then change length, which shows "
-                  "a stale answer")};
+  KeyTable keys = {function_key("function", in.function, {3, 4},
+                                "Modbus function that reads: 3 holding registers, 4 input registers"),
+                   key::number("address", in.address, kOne, {0, 65535}, "Register of input 0, counted from 0"),
+                   key::required(key::number("channels", in.channels, kOne, {1, kMostInputs}, "Number of inputs")),
+                   key::number("spare", in.spare, kOne, {0, 8},
+                               "Readable registers after the last input; RTU readings then change length, which shows "
+                               "a stale answer")};
   for (const Key& row : format_keys(in.format)) keys.push_back(row);
   keys.push_back(key::number("status_offset", in.status_offset, kOne, {-1, kMostInputs},
-                             "Registers from address to one status word an input; -1: none"));
+                             "Registers from address to the status words, one per input; -1: none"));
   return keys;
 }
 
@@ -105,7 +104,7 @@ KeyTable layer_keys(std::string& text) {
 KeyTable fail_safe_keys(devices::ModuleFailSafe& safe) {
   constexpr Range kNoneOrAddress{-1, 65535};
   return {key::number("watchdog_address", safe.watchdog_address, kOne, kNoneOrAddress,
-                      "First of the watchdog's registers, as Beckhoff lays them out; -1: none"),
+                      "First of the watchdog's registers, in Beckhoff's layout; -1: none"),
           key::number("fallbacks_address", safe.fallbacks_address, kOne, kNoneOrAddress,
                       "Register that counts how often the watchdog acted; -1: none"),
           key::number("safe_mode_address", safe.safe_mode_address, kOne, kNoneOrAddress,
@@ -131,7 +130,7 @@ KeyTable profile_keys(devices::ModuleProfile& profile, Transports& transports) {
           key::required(key::word("transport", transports, {"tcp", "rtu", "any"},
                                   "Which Modbus it speaks: over the network, over a serial line, or either")),
           key::number("max_reply_delay_ms", profile.max_reply_delay, kMilliseconds, {1.0, 60000.0},
-                      "The latest that an answer can still come on a serial line")};
+                      "Longest delay of an answer on a serial line")};
 }
 
 std::string profile_folder() { return share_folder() + "/devices/profiles"; }
@@ -176,7 +175,7 @@ devices::ModuleProfile read_module_profile(const std::string& name) {
   profile.fail_safe = read_fail_safe(root.table("fail_safe"));
   root.finish();
   if (profile.outputs.function == 23 && profile.inputs.channels == 0) {
-    root.fail("outputs", "function 23 reads inputs, and the profile has none", "use function 6 or 16");
+    root.fail("outputs", "function 23 reads inputs, but the profile has none", "use function 6 or 16");
   }
   return profile;
 }

@@ -26,22 +26,21 @@ namespace {
 
 KeyTable scanner_kind_keys(devices::ScannerOptions& scanner) {
   return {key::word("kind", scanner.kind, words_of(scanner_kinds()),
-                    "How the array is read: a USB HID scanner, an NI card with relays, or a program of yours")};
+                    "How the array is read: a USB HID scanner, an NI card with relays, or your own program")};
 }
 
 KeyTable scanner_keys(BenchConfig& config) {
   devices::ScannerOptions& scanner = config.scanner;
   const bool hid = scanner.kind == devices::ScannerKind::kHid;
-  return {
-      key::text("serial", scanner.expected_serial, "Serial number of the scanner; another one is refused. \"\": any"),
-      key::number("rows", scanner.rows, kOne, {1, 64}, "Rows of the array; a frame source states its own"),
-      key::number("columns", scanner.columns, kOne, hid ? Range{16, 16} : Range{1, 64},
-                  "Columns of the array; a frame source states its own"),
-      key::number("frame_timeout_ms", scanner.frame_timeout, kMilliseconds, {10.0, 10000.0},
-                  "Longest time to wait for one scan"),
-      key::text("cable", config.scanner_cable, "Which cable connects array and scanner; stored with each run"),
-      key::number("scans_per_frame", config.scans_per_frame, kOne, {1, 8},
-                  "Scans taken for one frame; all are stored, their mean is used")};
+  return {key::text("serial", scanner.expected_serial, "Serial number of the scanner; any other is refused. \"\": any"),
+          key::number("rows", scanner.rows, kOne, {1, 64}, "Rows of the array; a frame source reports its own"),
+          key::number("columns", scanner.columns, kOne, hid ? Range{16, 16} : Range{1, 64},
+                      "Columns of the array; a frame source reports its own"),
+          key::number("frame_timeout_ms", scanner.frame_timeout, kMilliseconds, {10.0, 10000.0},
+                      "Longest time to wait for one scan"),
+          key::text("cable", config.scanner_cable, "Cable between array and scanner; stored with each run"),
+          key::number("scans_per_frame", config.scans_per_frame, kOne, {1, 8},
+                      "Scans taken for one frame; all are stored, their mean is used")};
 }
 
 // --- a USB HID scanner
@@ -53,7 +52,7 @@ KeyTable hid_keys(devices::ScannerOptions& scanner) {
           key::number("product_id", scanner.address.product_id, kOne, {0, 65535},
                       "HID: USB product number, as lsusb prints it (there hexadecimal)"),
           key::text("socket", scanner.socket,
-                    "HID: path of a local socket in place of USB, where a simulated scanner listens; \"\": USB")};
+                    "HID: path of a local socket of a simulated scanner, used instead of USB; \"\": USB")};
 }
 
 void read_hid(const TomlTable& table, BenchConfig& config) {
@@ -102,11 +101,11 @@ KeyTable daqmx_keys(devices::DaqmxScannerOptions& daqmx) {
                   "NI card: inputs measure from minus this voltage to plus this"),
       key::flag("relays_active_low", daqmx.relays_active_low, "NI card: whether a relay closes when its line is at 0"),
       key::number("sample_rate_hz", daqmx.sample_rate_hz, {"Hz"}, {1.0, 1e6},
-                  "NI card: samples of all columns a second"),
+                  "NI card: samples of all columns per second"),
       key::number("convert_rate_hz", daqmx.convert_rate_hz, {"Hz"}, {1.0, 1.25e6, true},
                   "NI card: rate from one column to the next; 0: the driver chooses"),
       key::number("samples_per_row", daqmx.samples_per_row, kOne, {1, 10000},
-                  "NI card: samples of a row that are averaged"),
+                  "NI card: number of samples of a row that are averaged"),
       key::number("settle_ms", daqmx.settle, kMilliseconds, {0.0, 1000.0},
                   "NI card: time from the closing of a relay to the first sample")};
 }
@@ -130,8 +129,8 @@ std::unique_ptr<devices::TactileArray> make_daqmx(const ScannerOptions& scanner,
 KeyTable frame_source_keys(devices::FrameSourceOptions& source, bool in_process) {
   source.address = in_process ? "tcp:127.0.0.1:0" : "";
   return {key::text("address", source.address,
-                    "Frame source: where it listens, as \"tcp:HOST:PORT\" or \"unix:PATH\"; only on a simulated bench "
-                    "may it be left out")};
+                    "Frame source: its address, as \"tcp:HOST:PORT\" or \"unix:PATH\"; only on a simulated bench may "
+                    "it be left out")};
 }
 
 void read_frame_source(const TomlTable& table, BenchConfig& config) {

@@ -55,7 +55,7 @@ KeyTable contact_keys(ContactOptions& contact) {
   inner.facts.range = "0 to 0.1 below outer_diameter_mm";  // checked when both are read
   return {
       key::word("object", contact.object, {"ring", "point", "flat"},
-                "Object under the z stage; a recipe whose press.object is ring, point or flat precedes it"),
+                "Object under the z stage; press.object of a recipe (ring, point or flat) has precedence"),
       key::number("outer_diameter_mm", contact.outer_diameter_mm, {"mm"}, {0.1, 200.0}, "Outer diameter of the ring"),
       inner,
       key::number("point_diameter_mm", contact.point_diameter_mm, {"mm"}, {0.0, 200.0},
@@ -78,22 +78,22 @@ KeyTable contact_keys(ContactOptions& contact) {
                   "How far the fabric blurs the object's edge, as a standard deviation"),
       key::number("pitch_mm", contact.pitch_mm, {"mm"}, {0.1, 100.0}, "Distance of two taxels of the simulated array"),
       key::number("centre_x_mm", contact.centre_x_mm, {"mm"}, {-1000.0, 1000.0},
-                  "Position of x at which the object stands over the array's centre"),
+                  "Position of x at which the object is over the array's centre"),
       key::number("centre_y_mm", contact.centre_y_mm, {"mm"}, {-1000.0, 1000.0},
-                  "Position of y at which the object stands over the array's centre"),
+                  "Position of y at which the object is over the array's centre"),
       key::number("misplaced_x_mm", contact.misplaced_x_mm, {"mm"}, {-100.0, 100.0},
-                  "Error of the sensor's place along x, which a registration has to find"),
+                  "Error of the sensor's position along x, which a registration must find"),
       key::number("misplaced_y_mm", contact.misplaced_y_mm, {"mm"}, {-100.0, 100.0},
-                  "Error of the sensor's place along y, which a registration has to find"),
+                  "Error of the sensor's position along y, which a registration must find"),
       key::number("misplaced_deg", contact.misplaced_deg, {"°"}, {-180.0, 180.0},
-                  "Turn of the sensor, counter-clockwise, which a registration has to find"),
+                  "Rotation of the sensor, counter-clockwise, which a registration must find"),
       key::number("force_noise_n", contact.force_noise_n, {"N"}, {0.0, 1.0},
                   "Noise of each force axis, as a standard deviation"),
       key::number("torque_noise_nmm", contact.torque_noise_nmm, {"N mm"}, {0.0, 10.0},
                   "Noise of each torque axis, as a standard deviation")};
 }
 
-// What is stated of the instruments is what their errors are drawn within.
+// The errors of the instruments are drawn within their stated limits.
 InstrumentOptions instruments_of(const BenchConfig& config, std::uint64_t seed) {
   const auto limits_of = [](const StatedCalibration& stated, double input_scale) {
     return DrawnLimits{0.5 * stated.expanded_uncertainty, stated.drift, input_scale * stated.input_limit};
@@ -122,17 +122,18 @@ InstrumentOptions instruments_of(const BenchConfig& config, std::uint64_t seed) 
 }
 
 KeyTable fault_keys(PlannedFault& fault) {
-  return {key::required(key::word("kind", fault.kind, fault_kind_names(), "What breaks")),
-          optional_number("at_s", fault.at_s, {"s"}, {0.0, 1e8},
-                          "Process time at which it begins; without any at_ key it begins at once"),
-          optional_number("at_psi", fault.at_psi, {"psi"}, {0.0, 1000.0},
-                          "It begins when the chamber first comes to this pressure from below"),
-          optional_number("at_n", fault.at_n, {"N"}, {0.0, 1000.0},
-                          "It begins when the force on the sensor first comes to this"),
-          key::number("lasts_s", fault.lasts_s, {"s"}, {0.0}, "How long it lasts"),
-          optional_number("value", fault.value, {"of its kind"}, {-1000.0, 1000.0},
-                          "Its size, in the unit of its kind (psi/s for a leak); left out: the usual one"),
-          key::number("times", fault.times, kOne, {0, kMost}, "How many answers it spoils; 0: all while it lasts")};
+  return {
+      key::required(key::word("kind", fault.kind, fault_kind_names(), "What breaks")),
+      optional_number("at_s", fault.at_s, {"s"}, {0.0, 1e8},
+                      "Process time at which the fault begins; without any at_ key it begins at once"),
+      optional_number("at_psi", fault.at_psi, {"psi"}, {0.0, 1000.0},
+                      "The fault begins when the chamber first reaches this pressure from below"),
+      optional_number("at_n", fault.at_n, {"N"}, {0.0, 1000.0},
+                      "The fault begins when the force on the sensor first reaches this"),
+      key::number("lasts_s", fault.lasts_s, {"s"}, {0.0}, "Duration of the fault"),
+      optional_number("value", fault.value, {"of its kind"}, {-1000.0, 1000.0},
+                      "Size of the fault, in the unit of its kind (psi/s for a leak); default: that of the kind"),
+      key::number("times", fault.times, kOne, {0, kMost}, "Number of answers that it affects; 0: all while it lasts")};
 }
 
 KeyTable front_end_keys(ScannerFrontEnd& front_end) {
@@ -141,7 +142,7 @@ KeyTable front_end_keys(ScannerFrontEnd& front_end) {
           key::number("relay_settle_s", front_end.relay_settle_s, {"s"}, {0.0, 1.0},
                       "Time that the scanner waits after a row's relay has closed"),
           key::number("relay_time_constant_s", front_end.relay_time_constant_s, {"s"}, {0.0, 1.0},
-                      "Time constant with which the row before fades")};
+                      "Time constant with which the previous row decays")};
 }
 
 KeyTable effect_keys(SpecimenEffects& effects) {
@@ -158,7 +159,7 @@ KeyTable effect_keys(SpecimenEffects& effects) {
           key::number("chamber_tilt", effects.chamber_tilt, kOne, {-0.5, 0.5},
                       "Relative difference of pressure over the array's longer side"),
           key::number("chamber_tilt_deg", effects.chamber_tilt_deg, {"°"}, {-360.0, 360.0},
-                      "Where that tilt rises to: 0 the last column, 90 row 0"),
+                      "Direction in which the tilt rises: 0 the last column, 90 row 0"),
           key::number("zero_drift_v_per_month", effects.zero_drift_v_per_month, {"V/month"}, {-0.5, 0.5},
                       "Drift of the unloaded output, the same for all taxels"),
           key::number("gain_drift_per_month", effects.gain_drift_per_month, {"1/month"}, {0.0, 0.5},
@@ -171,9 +172,10 @@ KeyTable effect_keys(SpecimenEffects& effects) {
 
 KeyTable defect_keys(TaxelDefect& defect, const devices::HidScannerOptions& scanner) {
   return {
-      key::required(key::word("kind", defect.kind, {"dead", "stuck", "saturated", "noisy", "swapped"},
-                              "dead reads 0 V, stuck one voltage, saturated the converter's limit; noisy has 50 mV "
-                              "more noise; swapped has changed places with another taxel")),
+      key::required(
+          key::word("kind", defect.kind, {"dead", "stuck", "saturated", "noisy", "swapped"},
+                    "dead reads 0 V, stuck a constant voltage, saturated the converter's limit; noisy has 50 mV "
+                    "more noise; swapped has changed places with another taxel")),
       key::required(key::number("row", defect.row, kOne, {0, scanner.rows - 1.0}, "Row of the taxel, counted from 0")),
       key::required(key::number("column", defect.column, kOne, {0, scanner.columns - 1.0},
                                 "Column of the taxel, counted from 0"))};
@@ -212,34 +214,33 @@ KeyTable wire_fault_keys(SimulationConfig& simulation) {
 KeyTable simulation_keys(SimulationConfig& simulation, const devices::HidScannerOptions& scanner) {
   PlantOptions& plant = simulation.plant;
   SpecimenOptions& specimen = plant.specimen;
-  return {
-      key::number("seed", plant.seed, kOne, {0, kMostSeed},
-                  "Makes noise and faults; the same seeds give the same run. --seed precedes it"),
-      key::number("sensor_seed", specimen.sensor_seed, kOne, {0, kMostSeed},
-                  "Makes the array: another number is another sensor. --sensor-seed precedes it"),
-      key::number(
-          "instrument_seed", plant.instruments.seed, kOne, {0, kMostSeed},
-          "Draws the errors of reference, force sensor and thermometer within what is stated of them; 0: no errors"),
-      key::word("specimen", specimen.kind, specimen_kind_names(),
-                "Film of the simulated sensor: the paper's, one that is harder on every model, or a foam"),
-      key::number("mount_seed", specimen.mount_seed, kOne, {0, kMostSeed},
-                  "Another number: the sensor was taken out and mounted again"),
-      key::number("temperature_c", specimen.temperature_c, {"°C"}, {-20.0, 80.0}, "Temperature of the sensor"),
-      key::number("age_months", specimen.age_months, {"months"}, {0.0, 1200.0},
-                  "Time since the sensor was new, for drifts"),
-      key::word("mount_turn", specimen.mount_turn, mount_turn_names(scanner.rows == scanner.columns),
-                "How the film lies under its wiring; anything but none is a fault in mounting"),
-      key::number("turned_in_chamber_deg", specimen.turned_in_chamber_deg, {"°"}, {-360.0, 360.0},
-                  "Turn of the sensor in the chamber, with its leads, counter-clockwise"),
-      key::word("edge_outside", specimen.edge_outside, mount_edge_names(),
-                "Edge of the array at which lines lie outside the membrane"),
-      key::number("edge_outside_lines", specimen.edge_outside_lines, kOne, {0, 1024},
-                  "How many lines lie there; the membrane does not press them"),
-      key::number("supply_bar", plant.supply_bar, {"bar"}, {0.0, 20.0},
-                  "Pressure of the compressed air in front of the regulator"),
-      key::number("frame_source_port", simulation.frame_source_port, kOne, {0, 65535},
-                  "Port of the simulated frame source; 0: any free one"),
-      key::text("scanner_serial", simulation.scanner_serial, "Serial number that the simulated scanner reports")};
+  return {key::number("seed", plant.seed, kOne, {0, kMostSeed},
+                      "Seed of noise and faults; the same seeds give the same run. --seed has precedence"),
+          key::number("sensor_seed", specimen.sensor_seed, kOne, {0, kMostSeed},
+                      "Seed of the array: another number is another sensor. --sensor-seed has precedence"),
+          key::number("instrument_seed", plant.instruments.seed, kOne, {0, kMostSeed},
+                      "Seed of the errors of reference, force sensor and thermometer, drawn within their stated "
+                      "limits; 0: no errors"),
+          key::word("specimen", specimen.kind, specimen_kind_names(),
+                    "Film of the simulated sensor: the paper's, one that is harder on every model, or a foam"),
+          key::number("mount_seed", specimen.mount_seed, kOne, {0, kMostSeed},
+                      "Another number: the sensor was taken out and mounted again"),
+          key::number("temperature_c", specimen.temperature_c, {"°C"}, {-20.0, 80.0}, "Temperature of the sensor"),
+          key::number("age_months", specimen.age_months, {"months"}, {0.0, 1200.0},
+                      "Time since the sensor was new, for drifts"),
+          key::word("mount_turn", specimen.mount_turn, mount_turn_names(scanner.rows == scanner.columns),
+                    "Orientation of the film under its wiring; anything except none is a mounting fault"),
+          key::number("turned_in_chamber_deg", specimen.turned_in_chamber_deg, {"°"}, {-360.0, 360.0},
+                      "Rotation of the sensor in the chamber, with its leads, counter-clockwise"),
+          key::word("edge_outside", specimen.edge_outside, mount_edge_names(),
+                    "Edge of the array at which lines are outside the membrane"),
+          key::number("edge_outside_lines", specimen.edge_outside_lines, kOne, {0, 1024},
+                      "Number of such lines, which the membrane does not press"),
+          key::number("supply_bar", plant.supply_bar, {"bar"}, {0.0, 20.0},
+                      "Pressure of the compressed air in front of the regulator"),
+          key::number("frame_source_port", simulation.frame_source_port, kOne, {0, 65535},
+                      "Port of the simulated frame source; 0: any free one"),
+          key::text("scanner_serial", simulation.scanner_serial, "Serial number that the simulated scanner reports")};
 }
 
 }  // namespace

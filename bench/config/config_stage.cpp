@@ -23,20 +23,20 @@ constexpr std::array<const char*, 3> kAxisNames = {"x", "y", "z"};
 KeyTable axis_keys(devices::ZaberAxisOptions& axis) {
   return {key::number("device", axis.device, kOne, {1, 254}, "Number of the axis on the chain"),
           key::number("device_id", axis.device_id, kOne, {1, 99999},
-                      "Model, by Zaber's number: 60 is the T-LA60A, 5082 the T-NA08A50; another one is refused"),
+                      "Model, by Zaber's number: 60 is the T-LA60A, 5082 the T-NA08A50; any other is refused"),
           key::number("low_mm", axis.low, {"mm"}, {0.0, 1000.0}, "Lowest position to which the axis is sent")};
 }
 
 KeyTable travel_keys(devices::ZaberAxisOptions& axis, const devices::ZaberModel& model) {
   axis.high = model.travel;
   axis.maximum_speed = model.maximum_speed;
-  return {key::number("high_mm", axis.high, {"mm"}, {axis.low.value(), 1000.0},
-                      "Highest position to which the axis is sent, not below low_mm"),
-          key::number("maximum_speed_mm_per_s", axis.maximum_speed, {"mm/s"}, {0.001, 30.0},
-                      "Fastest speed, and the one used where a move names none"),
-          key::number("home_timeout_s", axis.home_timeout, {"s"}, {1.0, 600.0}, "Longest time that homing may take"),
-          key::text("serial", axis.serial,
-                    "Serial number, stored with each run that presses; the axis cannot be asked for it")};
+  return {
+      key::number("high_mm", axis.high, {"mm"}, {axis.low.value(), 1000.0},
+                  "Highest position to which the axis is sent, not below low_mm"),
+      key::number("maximum_speed_mm_per_s", axis.maximum_speed, {"mm/s"}, {0.001, 30.0},
+                  "Highest speed, also used for moves without a speed"),
+      key::number("home_timeout_s", axis.home_timeout, {"s"}, {1.0, 600.0}, "Longest time that homing may take"),
+      key::text("serial", axis.serial, "Serial number, stored with each run that presses; the axis cannot report it")};
 }
 
 void read_axis(const TomlTable& table, devices::ZaberAxisOptions& axis) {
@@ -44,7 +44,7 @@ void read_axis(const TomlTable& table, devices::ZaberAxisOptions& axis) {
   const devices::ZaberModel* model = devices::zaber_model(axis.device_id);
   if (model == nullptr) {
     table.fail("device_id", fmt::format("{} is not a device id that tactbench knows", axis.device_id),
-               "5082 is the T-NA08A50, 60 the T-LA60A; other models need their step size added");
+               "5082 is the T-NA08A50, 60 the T-LA60A; for other models add their step size");
   }
   axis.model = "Zaber " + std::string(model->name);
   read_whole(table, travel_keys(axis, *model));
@@ -61,7 +61,7 @@ StageConfig usual_stage() {
 
 KeyTable stage_keys(StageConfig& stage, bool found_otherwise) {
   const Key port = key::text("port", stage.address.port,
-                             "Serial line of the Zaber chain: a device, best a name in /dev/serial/by-id");
+                             "Serial line of the Zaber chain: a device, preferably a name in /dev/serial/by-id");
   return {
       found_otherwise ? port : key::required(port),
       key::text("usb_serial", stage.address.usb_serial,
@@ -71,7 +71,7 @@ KeyTable stage_keys(StageConfig& stage, bool found_otherwise) {
       key::number("reply_timeout_ms", stage.options.reply_timeout, kMilliseconds, {20.0, 10000.0},
                   "Longest time to wait for an answer"),
       key::number("poll_interval_ms", stage.options.poll_interval, kMilliseconds, {20.0, 1000.0},
-                  "Time between two questions for the position during a move")};
+                  "Time between two queries of the position during a move")};
 }
 
 KeyTable stage_stated_keys(StatedCalibration& stated) {

@@ -43,17 +43,16 @@ struct ProfileRow {
   const char *name, *variable, *meaning;
 };
 constexpr std::array<ProfileRow, kProfileKeys.size()> kRows = {
-    {{ProfileKey::kBench, "bench", "TACTBENCH_BENCH", "Bench file, where no --bench is typed"},
-     {ProfileKey::kDb, "db", "TACTBENCH_DB", "Store, where no --db is typed"},
-     {ProfileKey::kOperator, "operator", "", "Your name, where no --operator is typed"},
-     {ProfileKey::kRecipe, "recipe", "",
-      "Recipe of run and calibrate, where none is typed; several with commas between them"},
+    {{ProfileKey::kBench, "bench", "TACTBENCH_BENCH", "Bench file, default of --bench"},
+     {ProfileKey::kDb, "db", "TACTBENCH_DB", "Store, default of --db"},
+     {ProfileKey::kOperator, "operator", "", "Your name, default of --operator"},
+     {ProfileKey::kRecipe, "recipe", "", "Default recipe of run and calibrate; several are separated by commas"},
      {ProfileKey::kLimits, "limits", "",
-      "Limits file by which calibrate and judge give verdicts; run warns of what could not be judged by it"},
-     {ProfileKey::kLab, "lab", "", "Laboratory file of reports and verdicts, where no --lab is typed"},
+      "Limits file by which calibrate and judge give verdicts; run warns of limits that could not be judged"},
+     {ProfileKey::kLab, "lab", "", "Laboratory file of reports and verdicts, default of --lab"},
      {ProfileKey::kFleet, "fleet", "TACTBENCH_FLEET",
-      "Database of the fleet, where a verb needs one and TACTBENCH_FLEET is not set"},
-     {ProfileKey::kUnits, "units", "", "Unit of the pressures that are printed, where no --units is typed"}}};
+      "Database of the fleet, for verbs that need one if TACTBENCH_FLEET is not set"},
+     {ProfileKey::kUnits, "units", "", "Unit of printed pressures, default of --units"}}};
 
 const ProfileRow& row_of(ProfileKey key) { return *std::ranges::find(kRows, key, &ProfileRow::key); }
 

@@ -8,14 +8,14 @@
 
 namespace tactbench::bench {
 
-enum class FaultKind {  // with the unit of the value, where there is one
+enum class FaultKind {  // each with the unit of its value, if it has one
   kValveStuck,          // holds the pressure, takes no command
   kLeak,                // psi/s
-  kOvershoot,           // psi beyond the next level; a level is one time
+  kOvershoot,           // psi beyond the next level; `times` counts levels
   kSupplyLost,          // psi/s by which the pressure falls; it cannot rise
   kRegulatorUnpowered,  // the chamber keeps its pressure, the monitor reads 0 V
-  kFeedbackOffset,      // psi, of the monitor
-  kReferenceOffset,     // psi, of the reference
+  kFeedbackOffset,      // psi, added to the monitor's reading
+  kReferenceOffset,     // psi, added to the reference's reading
   kModuleSilent,
   kModuleLate,
   kModuleCorrupt,
@@ -26,18 +26,18 @@ enum class FaultKind {  // with the unit of the value, where there is one
   kControllerSilent,  // of a serial regulator
   kControllerLate,
   kControllerCorrupt,
-  kControllerRefused,    // it carries nothing out
-  kControllerUnplugged,  // the line hangs up for good
+  kControllerRefused,    // it refuses every command
+  kControllerUnplugged,  // the line hangs up permanently
   kStageStalled,         // 1 x, 2 y, 3 z, 0 all: does not move although the device counts steps
   kStageSilent,
   kStageLate,
   kStageCorrupt,
   kStageTorn,
-  kStageUnplugged,  // the line hangs up for good
+  kStageUnplugged,  // the line hangs up permanently
   kForceSaturated,
   kForceStale,
   kForceSilent,
-  kRowStuck,  // row: its counts stay as they are
+  kRowStuck,  // row whose counts no longer change
   kScannerSilent,
   kScannerStale,
   kScannerCorrupt,
@@ -50,12 +50,12 @@ inline constexpr int kFaultKinds = static_cast<int>(FaultKind::kScannerUnplugged
 
 struct PlannedFault {
   FaultKind kind = FaultKind::kLeak;
-  // What starts it, whichever is first; none: at once.
+  // Condition that starts the fault, whichever is met first; none: at once.
   std::optional<double> at_s;    // process time
-  std::optional<double> at_psi;  // the chamber's pressure first comes to this from below
-  std::optional<double> at_n;    // the force on the specimen first comes to this
+  std::optional<double> at_psi;  // the chamber's pressure first reaches this from below
+  std::optional<double> at_n;    // the force on the specimen first reaches this
   double lasts_s = std::numeric_limits<double>::infinity();
-  std::optional<double> value;  // none: the usual one
+  std::optional<double> value;  // none: the default of the kind
   long times = 0;               // number of answers affected; 0: no limit; kOvershoot: 1
 };
 

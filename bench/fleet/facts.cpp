@@ -49,7 +49,7 @@ Json rests_on(const db::RunStore& store, const db::RunRecord& run) {
     try {
       for (const std::int64_t source : source_runs(store, analysis::load_fit(fit)))
         uuids.insert(store.run(source).uuid);
-    } catch (const analysis::AnalysisError&) {  // verify says what is wrong with it
+    } catch (const analysis::AnalysisError&) {  // verify reports what is wrong
     }
   }
   uuids.erase(run.uuid);
@@ -104,7 +104,7 @@ std::vector<LocalRun> ended_runs(const db::RunStore& store) {
     try {
       own.run = store.run(listed.run);
       own.said_sha256 = said_sha256(store, own.run);
-    } catch (const db::StoreError&) {  // it waits, and sending it says what is wrong
+    } catch (const db::StoreError&) {  // it counts as waiting, and sending it reports what is wrong
     }
   }
   return runs;
@@ -113,7 +113,7 @@ std::vector<LocalRun> ended_runs(const db::RunStore& store) {
 std::vector<LocalRun> waiting_runs(db::fleet::Link& link, const std::vector<LocalRun>& runs,
                                    const std::string& source) {
   std::vector<std::string> uuids;
-  for (const LocalRun& own : runs)  // no damaged one keeps the others from being asked for
+  for (const LocalRun& own : runs)  // so that a damaged run does not prevent the query for the others
     if (own.run.uuid.find_first_not_of("0123456789abcdef-") == std::string::npos) uuids.push_back(own.run.uuid);
   std::multimap<std::string, db::fleet::KnownRow> known;  // by UUID; oldest first
   for (db::fleet::KnownRow& row : db::fleet::known_rows(link, uuids)) known.emplace(row.uuid, row);

@@ -14,29 +14,29 @@
 namespace tactbench::bench {
 
 // Hash of the run's content and of everything recorded about it: tags, notes, void, fits, verdicts, figures, reports.
-// The same in each copy of the store.
+// Equal in every copy of the store.
 std::string said_sha256(const db::RunStore& store, const db::RunRecord& run);
-// The facts: run_json() with frames, sensor_type, verdict (the standing one), fits, verdicts (each with the UUID of its
-// models' run and the fit's position among that run's), figures, reports, rests_on: the UUIDs of the runs that its
-// models and verdicts rest on. Without zero bytes in texts, which jsonb does not keep.
+// The facts: run_json() with frames, sensor_type, verdict (the current one), fits, verdicts (each with the UUID of its
+// models' run and the fit's position among that run's), figures, reports, rests_on: the UUIDs of the runs on which its
+// models and verdicts are based. Without zero bytes in texts, which jsonb cannot store.
 std::string facts_of(const db::RunStore& store, const db::RunRecord& run);
 
 struct LocalRun {
   db::RunRecord run;
   std::string said_sha256;
-  bool content = true;  // of one that waits: the run itself; false: only what was said of it later
+  bool content = true;  // for a run to be pushed: the run itself; false: only what was recorded about it later
 };
 // Ended runs by number; without those whose frames were removed, since the fleet keeps whole runs.
 std::vector<LocalRun> ended_runs(const db::RunStore& store);
-// Those of `runs` that the server does not have in their present state. A state that some store has pushed already is
-// sent again only when it is a change to the last one from this store (`source`): an old copy of a store reverts
+// Those of `runs` that the server does not have in their present state. A state that any store has already pushed is
+// sent again only if it differs from the last one from this store (`source`), so that an old copy of a store reverts
 // nothing.
 std::vector<LocalRun> waiting_runs(db::fleet::Link& link, const std::vector<LocalRun>& runs, const std::string& source);
 
 // "host:/path/runs.db": the store, as the fleet knows it.
 std::string source_name(const std::string& store);
 
-// The models by which the verdicts of a run were made, from its facts. Throws nlohmann::json::exception where they are
+// The models on which the verdicts of a run are based, from its facts. Throws nlohmann::json::exception if they are
 // malformed.
 using ModelsOfVerdicts = std::vector<std::pair<std::string, std::size_t>>;  // UUID of the run, position of the fit
 ModelsOfVerdicts models_of_verdicts(const nlohmann::json& facts);

@@ -1,5 +1,5 @@
-// The timer of a dead-man: it fires when it is fed late, and stays fired. It runs on process time inside a simulated
-// bench and on real time in the dead-man's own process.
+// The timer of the dead-man, a watchdog on the sequencer: it fires when it is fed late, and stays fired. It runs on
+// process time inside a simulated bench and on real time in the dead-man's own process.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@
 namespace tactbench::bench {
 
 inline constexpr const char* kDeadManFired = "TB-DEADMAN-FIRED";  // fault and trip
-// Faults: it no longer watches, though it has not fired.
+// Faults of a dead-man that has not fired but no longer watches.
 inline constexpr const char* kDeadManSilent = "TB-DEADMAN-SILENT";  // does not answer
 inline constexpr const char* kDeadManEnded = "TB-DEADMAN-ENDED";    // its process is gone
 inline constexpr const char* kDeadManBlind = "TB-DEADMAN-BLIND";    // does not reach the module
@@ -56,8 +56,8 @@ class Watcher {
   [[nodiscard]] virtual bool wait_ended(devices::Nanoseconds longest) = 0;
 };
 
-// The dead-man of a bench simulated in this process, on process time. Whoever finds it fired has to make the bench
-// safe.
+// The dead-man of a bench simulated in this process, on process time. The caller that finds it fired must make the
+// bench safe.
 class ProcessTimeWatcher final : public Watcher {
  public:
   ProcessTimeWatcher(devices::Nanoseconds timeout, const devices::Clock& clock) : dead_man_(timeout), clock_(clock) {}

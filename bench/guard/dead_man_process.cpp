@@ -32,7 +32,7 @@ constexpr Nanoseconds kEndPoll = std::chrono::milliseconds(50);
 constexpr int kSignsATimeout = 8;
 constexpr double kOwnShare = 0.9;  // of the timeout: this process counts itself as stopped before the dead-man fires
 
-// `why` and, in a second line, what to try.
+// Throws with `why`; a second line of it is the remedy.
 [[noreturn]] void fail(const std::string& why) {
   const std::size_t end = std::min(why.find('\n'), why.size());
   throw Fault("TB-DEADMAN-START", "dead-man", fmt::format("starting the dead-man: {}", why.substr(0, end)),
@@ -124,7 +124,7 @@ void DeadManProcess::relay() {
       shown_ = time.count();  // a lost dead-man may no longer read, which says nothing about this process
       reports_.asked(time);
     }
-    // Whoever holds the lock receives them meanwhile.
+    // The thread that holds the lock receives them meanwhile.
     if (const std::unique_lock receiving(receiving_, std::try_to_lock); receiving) {
       listen_to_all();
       reports_.judge(now());
@@ -194,7 +194,7 @@ std::unique_ptr<devices::ByteStream> DeadManProcess::ask_for_line() {
     }
     listen(*packet);
   }
-  throw Fault("TB-SERIAL-OPEN", address, "the dead-man did not hand the stage's line over",
+  throw Fault("TB-SERIAL-OPEN", address, "the dead-man did not pass on the stage's line",
               "Read its messages on standard error, then start again.");
 }
 

@@ -3,8 +3,8 @@
 //
 // There are two deadlines. Within every `timeout` the process must send a sign of life (from a thread, which SIGSTOP
 // and SIGKILL stop like any other), and within every `progress` its work must have advanced. So a stopped process is
-// detected soon, and an exchange that fails slowly does not fire. The dead-man answers each sign of life, and is itself
-// watched by these answers: the thread receives them, and the functions here never wait.
+// detected soon, and a slow failing exchange does not fire the dead-man. The dead-man answers each sign of life, and is
+// itself watched by these answers: the thread receives them, and the functions here never wait.
 #pragma once
 
 #include <sys/types.h>
@@ -36,7 +36,7 @@ class DeadManProcess final : public Watcher {
   void feed() override;
   // Announces slow work while nothing is loaded, such as opening an instrument: the next feeding is due after it.
   void allow(devices::Nanoseconds span);
-  // It has fired, or must have fired because this process was stopped. Stays true.
+  // True once it has fired, or must have fired because this process was stopped. Stays true.
   [[nodiscard]] bool fired() override;
   [[nodiscard]] std::optional<WatcherLost> lost() override;
   // What it reported about reaching the module since the last call.
@@ -46,7 +46,7 @@ class DeadManProcess final : public Watcher {
   // Once the dead-man has ended, the line is opened here.
   [[nodiscard]] std::unique_ptr<devices::ByteStream> open_line();
   void name_run(std::int64_t run);  // for its record
-  void fire() noexcept;             // now; any thread
+  void fire() noexcept;             // immediately; from any thread
   // The safe state could not be proved: it makes the bench safe now over its own connection, and reports what it did
   // (take_notices()). Waits for that, at most 15 s; false: it still works.
   bool take_over();
@@ -56,7 +56,7 @@ class DeadManProcess final : public Watcher {
   void start(const std::string& program);
   void relay();
   void listen(const devices::ChannelPacket& packet);
-  void listen_to_all();  // that has come; under receiving_
+  void listen_to_all();  // reads all messages received; receiving_ is locked
   std::unique_ptr<devices::ByteStream> ask_for_line();
   static devices::Nanoseconds now() { return std::chrono::steady_clock::now().time_since_epoch(); }
 
@@ -65,7 +65,7 @@ class DeadManProcess final : public Watcher {
   std::unique_ptr<devices::DescriptorChannel> channel_;
   pid_t child_ = -1;
   std::atomic<devices::Nanoseconds::rep> due_{0};    // when the next feeding is due
-  std::atomic<devices::Nanoseconds::rep> shown_{0};  // when this process last showed that it runs
+  std::atomic<devices::Nanoseconds::rep> shown_{0};  // time of this process's last sign of life
   std::atomic<bool> fired_{false};
   std::atomic<bool> dismissed_{false};
   DeadManReports reports_;

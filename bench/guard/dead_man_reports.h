@@ -12,7 +12,7 @@
 
 namespace tactbench::bench {
 
-struct DeadManNotice {  // for the record and for people
+struct DeadManNotice {  // for the store and the operator
   std::string id;       // empty: good news
   std::string what;
 };
@@ -26,16 +26,16 @@ class DeadManReports {
   DeadManReports(devices::Nanoseconds timeout, bool blind_ends) : timeout_(timeout), blind_ends_(blind_ends) {}
 
   void asked(devices::Nanoseconds now);  // a feeding was sent, which it answers
-  // The dead-man's messages: "fed", "fired", "blind: REASON" at each failed reading, "sees", "busy: WHAT" of a module
-  // that let it wait, and what it did at last. Others are ignored here.
+  // The dead-man's messages: "fed", "fired", "blind: REASON" at each failed reading, "sees", "busy: WHAT" when the
+  // module made it wait, and finally what it did. Others are ignored here.
   void heard(const std::string& word);
   void ended();  // the other end of its channel is closed
   // To be called once everything received by `now` was passed on: checks whether an answer is overdue.
   void judge(devices::Nanoseconds now);
-  void excuse();  // we kept it busy: the deadline of its answer starts again
+  void excuse();  // this process kept it busy: the deadline of its answer starts again
 
   [[nodiscard]] bool fired() const;
-  [[nodiscard]] std::optional<WatcherLost> lost() const;    // stays
+  [[nodiscard]] std::optional<WatcherLost> lost() const;    // once set, stays set
   [[nodiscard]] std::vector<DeadManNotice> take_notices();  // since the last call, oldest first
 
  private:

@@ -55,7 +55,7 @@ void Guard::refuse(const char* id, const char* actuator, const std::string& aske
                    const std::string& remedy) const {
   log(actuator, fmt::format("{}: {}", asked, why), false);
   throw devices::Fault(
-      id, actuator, fmt::format("{} was asked for and refused by the guard: {}; nothing was sent", asked, why), remedy);
+      id, actuator, fmt::format("{} was requested and refused by the guard: {}; nothing was sent", asked, why), remedy);
 }
 
 void Guard::trip(const std::string& id, const std::string& what) noexcept {
@@ -260,7 +260,7 @@ void Guard::check_move(Axis axis, double target_mm, double speed_mm_per_s, const
   if (loads && !away) {
     if (moving_[0] || moving_[1]) {
       refuse("TB-STAGE-ENVELOPE", name(axis), asked,
-             fmt::format("x or y moves, and beyond {:g} mm they must be at rest", limits_.safety.clear_z_mm),
+             fmt::format("x or y moves, but beyond {:g} mm they must be at rest", limits_.safety.clear_z_mm),
              "Wait for the end of the move first; [limits] clear_z_mm.");
     }
     if (limits_.has_force) check_fresh("TB-FORCE-STALE", name(axis), asked, "force sensor, tared,", force_time_);

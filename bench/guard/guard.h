@@ -1,5 +1,6 @@
-// The one gate of every actuator command: constant limits, rate of rise, fresh witnesses, joint envelopes, latched
-// trips, the dead-man. guard_devices.h wraps the drivers so that no command bypasses it. One thread, the sequencer's.
+// Every actuator command passes this check: constant limits, rate of rise, recent readings of the witnesses (the
+// pressure instruments), joint limits of the axes, latched trips, the dead-man. guard_devices.h wraps the drivers so
+// that no command bypasses it. One thread, the sequencer's.
 #pragma once
 
 #include <array>
@@ -29,7 +30,8 @@ struct GuardLimits {
   TrueRange feedback, reference;
 };
 
-// Of a bench file. At another rate than 1 a reading ages that much faster, and stale_s is stretched by it.
+// The limits of a bench file. A simulation at another rate than 1 multiplies stale_s by the rate, because readings age
+// faster.
 GuardLimits guard_limits(const BenchConfig& config);
 
 // Time, actuator ("pressure", "stage z", "guard"), command, and whether it passed. Called for each refusal and stage
@@ -48,7 +50,7 @@ class Guard {
   void set_run(std::int64_t run) { run_ = run; }  // named in trips
   // Called with each new trip, to store it.
   void set_trip_sink(std::function<void(const Trip&)> sink) { sink_ = std::move(sink); }
-  // The drivers themselves, which a trip vents and halts. Null: there is none.
+  // The drivers that a trip vents and halts. Null: there is none.
   void set_actuators(devices::PressureSource* source, devices::Stage* stage);
   void set_watcher(Watcher* watcher) { watcher_ = watcher; }  // may be null
 
@@ -67,13 +69,14 @@ class Guard {
   // A person has inspected the rig. A dead-man that has fired stays fired.
   void reset(const std::string& who);
 
-  // Readings, as they are taken. When armed, one beyond its limit trips and throws Fault TB-CHAMBER-TRIP or
+  // To be called with each reading. When armed, a reading beyond its limit trips and throws Fault TB-CHAMBER-TRIP or
   // TB-FORCE-TRIP; after a trip readings are only kept.
   void note_feedback(devices::Psi pressure, devices::Nanoseconds time);
   void note_reference(devices::Psi pressure, devices::Nanoseconds time);
   [[nodiscard]] const PressureWitness& feedback() const { return feedback_; }
   [[nodiscard]] const PressureWitness& reference() const { return reference_; }
-  // Throws Fault TB-CHAMBER-WITNESS when the readings of one cannot be true for longer than disagreement_s.
+  // Throws Fault TB-CHAMBER-WITNESS if the readings of an instrument have been impossible for longer than
+  // disagreement_s.
   void check_witnesses() const;
   void note_force(const devices::Wrench& wrench, devices::Nanoseconds time);
   // Magnitude of the last force noted; none: no force was noted.
@@ -81,7 +84,7 @@ class Guard {
     return force_time_.count() < 0 ? std::nullopt : std::optional(force_n_);
   }
 
-  // Checks of commands. Each logs what passes, and logs and throws Fault for what does not. Ids:
+  // Checks of commands. Each logs the command, and throws Fault if it is refused. Ids:
   // TB-GUARD-NOT-ARMED, TB-GUARD-TRIPPED, TB-DEADMAN-..., TB-CHAMBER-LIMIT, TB-CHAMBER-RATE, TB-CHAMBER-STALE,
   // TB-CHAMBER-WITNESS, TB-STAGE-LIMIT, TB-STAGE-ENVELOPE, TB-FORCE-STALE.
   void check_pressure(devices::Psi pressure);
@@ -126,16 +129,16 @@ class Guard {
   Watcher* watcher_ = nullptr;
   std::int64_t run_ = 0;
   bool armed_ = false;
-  bool stage_used_ = false;  // one that was never armed is not halted: it may not even be there
+  bool stage_used_ = false;  // a stage that was never armed is not halted: it may not be connected
   std::optional<Trip> trip_;
   bool vented_ = false, halted_ = false;  // by the trip, as module and stage confirmed
-  std::optional<WatcherLost> lost_;       // which trip_ is of, if it is
+  std::optional<WatcherLost> lost_;       // the cause of trip_, if a lost dead-man caused it
   PressureWitness feedback_, reference_;
   double force_n_ = 0.0;  // magnitude of the last one noted
   devices::Nanoseconds force_time_{-1};
   double setpoint_psi_ = 0.0;
   double logged_psi_ = 0.0;
-  double budget_psi_ = 0.0;  // what the set-point may rise now
+  double budget_psi_ = 0.0;  // by how much the set-point may rise now
   devices::Nanoseconds budget_time_{0};
   std::array<bool, devices::kAxes> moving_{};
 };

@@ -18,7 +18,7 @@ class GuardedSource final : public devices::PressureSource {
   void arm() override;
   void disarm() noexcept override { source_->disarm(); }
   [[nodiscard]] bool armed() const override { return source_->armed(); }
-  // Throws the driver's faults and those of Guard::check_pressure().
+  // Throws the faults of the driver and of Guard::check_pressure().
   std::uint16_t command(devices::Psi pressure) override;
   void keep_alive() override;
   [[nodiscard]] devices::PressureReading feedback() override;
@@ -53,8 +53,8 @@ class GuardedStage final : public devices::Stage {
   void arm() override;
   void disarm() noexcept override { stage_.disarm(); }
   [[nodiscard]] bool armed() const override { return stage_.armed(); }
-  // Home z before x and y. Throws the driver's faults and those of Guard::check_move(). A move of x or y costs one
-  // query of z, start_move_by() one of the axis.
+  // z must be homed before x and y. Throws the faults of the driver and of Guard::check_move(). A move of x or y costs
+  // one query of z, start_move_by() one of the axis.
   void home(devices::Axis axis) override;
   void start_move_to(devices::Axis axis, devices::Millimetres position,
                      std::optional<devices::MillimetresPerSecond> speed) override;
@@ -64,7 +64,7 @@ class GuardedStage final : public devices::Stage {
   devices::Millimetres wait(devices::Axis axis) override;
   devices::Millimetres stop(devices::Axis axis) override;
   [[nodiscard]] devices::AxisState state(devices::Axis axis) override { return stage_.state(axis); }
-  // Waits, at most 15 s real time, for a dead-man that works on the line to end: its back-off must not be stopped.
+  // Waits, at most 15 s real time, until a dead-man that uses the line has ended: its retraction must not be stopped.
   [[nodiscard]] bool halt() noexcept override;
   bool send_home(devices::Axis axis) noexcept override { return guard_.may_use_stage_line() && stage_.send_home(axis); }
   [[nodiscard]] std::vector<devices::AxisIdentity> identify() override { return stage_.identify(); }
@@ -82,8 +82,8 @@ class GuardedForce final : public devices::ForceSensor {
  public:
   GuardedForce(std::unique_ptr<devices::ForceSensor> sensor, Guard& guard)
       : sensor_(std::move(sensor)), guard_(guard) {}
-  // Readings are passed to the guard from the first bias() on: before, the offset may be a large part of the range. An
-  // overload or a saturated converter trips (TB-FORCE-TRIP is then the guard's, the sensor's own fault is thrown).
+  // Readings are passed to the guard from the first bias() on: before it, the offset may be a large part of the range.
+  // An overload or a saturated converter trips the guard with TB-FORCE-TRIP; the sensor's own fault is thrown.
   [[nodiscard]] devices::ForceReading read(int records) override;
   devices::ForceReading bias(int records) override;
   [[nodiscard]] std::array<double, 6> range() const override { return sensor_->range(); }

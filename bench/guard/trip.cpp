@@ -75,8 +75,8 @@ std::string state_folder(const std::string& machine) {
     base = given;
   } else if (is_group_folder(machine)) {
     if (::faccessat(AT_FDCWD, machine.c_str(), R_OK | W_OK | X_OK, AT_EACCESS) == 0) return machine;
-    throw Error("TB-STATE-DENIED", fmt::format("user {} may not see the trips of this machine's rigs", geteuid()),
-                machine);
+    throw Error("TB-STATE-DENIED",
+                fmt::format("user {} may not read the trip records of this machine's rigs", geteuid()), machine);
   } else if (const std::string home = set_variable("HOME"); !home.empty()) {
     base = fs::path(home) / ".local/state";
   } else {

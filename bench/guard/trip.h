@@ -16,12 +16,13 @@ struct Trip {
   std::string utc;  // when; filled in by store()
 };
 
-// The machine's folder for trips, shared by all who may run a rig; the packages make it.
+// The machine's folder for trips, shared by all users who may run a rig; the installed package creates it.
 inline constexpr const char* kMachineState = "/var/lib/tactbench";
 
-// $XDG_STATE_HOME/tactbench, else `machine` where that is, else ~/.local/state/tactbench, else (no HOME) below the
-// system's temporary folder; the user's own folders are made when absent, mode 0700. Throws Error TB-FOLDER-UNSAFE when
-// it is neither this user's alone nor root's for a group, TB-STATE-DENIED when the machine's is closed to this user.
+// $XDG_STATE_HOME/tactbench, else `machine` if it exists, else ~/.local/state/tactbench, else (no HOME) below the
+// system's temporary folder; the user's own folders are made when absent, mode 0700. Throws Error TB-FOLDER-UNSAFE if
+// it belongs neither to this user alone nor to root for a group, TB-STATE-DENIED when the machine's is closed to this
+// user.
 std::string state_folder(const std::string& machine = kMachineState);
 
 class TripFile {
@@ -29,21 +30,21 @@ class TripFile {
   explicit TripFile(const std::string& bench_id);
   // None: not tripped. A file that cannot be read, a link and another user's file are trips, too.
   [[nodiscard]] std::optional<Trip> read() const;
-  // Written to a temporary file, synced and renamed; an earlier trip stays (the first cause counts). False: could not
-  // be stored.
+  // Written to a temporary file, synced and renamed; an earlier trip is kept, because the first cause counts. False:
+  // could not be stored.
   bool store(Trip trip) const noexcept;
   // Removes the trip and appends a line to the log next to it. Throws Error TB-FILE-WRITE.
   void reset(const Trip& trip, const std::string& operator_name) const;
   [[nodiscard]] const std::string& path() const { return path_; }
   [[nodiscard]] std::string log_path() const;
-  [[nodiscard]] std::string dead_man_path() const;  // what the dead-man did last
+  [[nodiscard]] std::string dead_man_path() const;  // record of what the dead-man did last
 
  private:
   std::string stem_, path_;
 };
 
 // Throws Error TB-BENCH-TRIPPED (exit 4), naming the trip and how to reset it. A bench simulated in its own process
-// keeps trips in memory alone.
+// keeps trips only in memory.
 void refuse_tripped(const BenchConfig& config);
 
 // Replaces `path` by `text`: written next to it, synced, moved. Throws std::system_error.

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kFollowsPsi = 5.0;
 constexpr double kZeroShare = 0.01;    // of the span: a zero error that sound instruments have
-constexpr double kUnstatedU = 0.0025;  // of the span, where no uncertainty is stated
+constexpr double kUnstatedU = 0.0025;  // of the span, if no uncertainty is stated
 
 // `expanded_u`: 0: not stated.
 TrueRange range_of(const SafetyLimits& limits, double low, double high, double expanded_u) {
@@ -38,7 +38,7 @@ TrueRange reference_range(const BenchConfig& config) {
                                 : config.reference_correction.expanded_uncertainty(Psi(0.0));
   const devices::LinearSpan& span = config.reference.span;
   if (!config.reference_gauge) return range_of(config.limits, span.low.value(), span.high.value(), expanded_u);
-  // A gauge's scale is no span; it goes up to the trip at least.
+  // A gauge has no span; its range is assumed to reach at least to the trip.
   return {range_of(config.limits, 0.0, config.limits.trip_psi, expanded_u).low_psi};
 }
 
@@ -74,7 +74,7 @@ std::string PressureWitness::doubt() const {
                ? "cannot be true: a sound one reads " + analysis::both_units_span(range_.low_psi, range_.high_psi)
                : fmt::format("cannot be true: a sound one reads {} or more", analysis::both_units(range_.low_psi, 1));
   }
-  return is_frozen_ ? "stands still: the other moved by more than " + analysis::both_units(kFollowsPsi) : "";
+  return is_frozen_ ? "is frozen: the other moved by more than " + analysis::both_units(kFollowsPsi) : "";
 }
 
 }  // namespace tactbench::bench

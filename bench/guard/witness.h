@@ -11,8 +11,8 @@
 
 namespace tactbench::bench {
 
-// What a sound instrument can read, inclusive: not below the span's live zero, not below 0 psi, not above the span,
-// each by more than the larger of safe_psi and U + 1 % of the span.
+// The range, inclusive, that a sound instrument can read: from the span's live zero (at least 0 psi) to the span's end,
+// widened on both sides by the larger of safe_psi and U + 1 % of the span.
 struct TrueRange {
   double low_psi = -std::numeric_limits<double>::infinity(), high_psi = std::numeric_limits<double>::infinity();
   [[nodiscard]] bool holds(double psi) const { return psi >= low_psi && psi <= high_psi; }  // NaN is outside
@@ -32,9 +32,9 @@ class PressureWitness {
   [[nodiscard]] devices::Nanoseconds time() const { return time_; }  // of the newest reading; negative: none
   [[nodiscard]] bool possible() const { return range_.holds(psi_); }
   [[nodiscard]] bool ever_possible() const { return ever_possible_; }
-  // For how long its readings have not been possible, in s; 0: the newest is.
+  // For how long its readings have been impossible, in s; 0: the newest is possible.
   [[nodiscard]] double impossible_s() const;
-  // Why the newest reading proves nothing; empty: it is a witness.
+  // Why the newest reading proves nothing; empty: it can be trusted.
   [[nodiscard]] std::string doubt() const;
 
  private:

@@ -1,4 +1,4 @@
-// The most recent image of the array in a run's store: the last frame or, before the first frame, that of the seating
+// The newest image of the array in a run's store: the last frame or, before the first frame, the one of the seating
 // check.
 #pragma once
 
@@ -18,11 +18,11 @@ struct ArrayView {
   std::vector<double> volts;    // rows x columns, row-major; mean of the frame's scans
   double full_scale_v = 0.0;    // of the converter
   std::vector<int> dead;        // row * columns + column
-  std::vector<int> saturated;   // of a frame: a scan stands at the converter's limit
-  bool dead_are_known = false;  // there is an unloaded frame to compare with, and the whole array is loaded
+  std::vector<int> saturated;   // taxels of a frame with a scan at the converter's limit
+  bool dead_are_known = false;  // true if there is an unloaded frame to compare with and the whole array is loaded
 };
 
-// What does not change during a run.
+// Data that do not change during a run.
 struct ArrayBasis {
   double volts_per_count = 0.0;
   std::vector<double> unloaded_v;  // by the newest seating check; empty: there is none

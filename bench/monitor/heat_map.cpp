@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t kIndent = 2;
 constexpr std::size_t kGap = 3;         // between map and text
 constexpr std::size_t kBesideMap = 34;  // columns of the text
-constexpr std::size_t kNamed = 3;       // taxels by name, each kind
+constexpr std::size_t kNamed = 3;       // taxels listed by name, per kind
 
 struct Cell {
   double volts = 0.0;
@@ -63,7 +63,7 @@ std::string place(const ArrayView& view, int taxel) {
   return fmt::format("row {}, column {}", taxel / view.columns, taxel % view.columns);
 }
 
-// What stands beside the map's rows.
+// The text next to the map's rows.
 std::vector<PaintedLine> beside(const ArrayView& view, Shades shades, std::size_t taxels) {
   const double top = scale_top_v(view);
   std::vector<PaintedLine> lines;

@@ -15,7 +15,7 @@ namespace tactbench::bench {
 enum class Shades { kColours, kCharacters };
 
 inline constexpr std::size_t kShades = 10;
-// From no output to the highest, dark to light: xterm's colours, and characters for terminals without them.
+// From no output (dark) to the highest (light): colours of xterm, and characters for terminals without colours.
 inline constexpr std::array<int, kShades> kShadeColours = {17, 53, 55, 25, 30, 36, 77, 148, 220, 226};
 inline constexpr const char* kShadeCharacters = " .:-=+*#%@";
 
@@ -28,9 +28,9 @@ std::size_t shade_of(double volts, double top_v);
 // dark.
 double scale_top_v(const ArrayView& view);
 
-// A title line and the map, at most `columns` wide and `rows` high. An array that is too large is drawn with the mean
-// of 2 x 2 taxels, 3 x 3 and so on in a cell; where the text beside the map has no room it is left out. A dead taxel is
-// drawn as "xx". Empty: there is no room at all.
+// A title line and the map, at most `columns` wide and `rows` high. An array that is too large is drawn with one cell
+// for the mean of 2 x 2 taxels, 3 x 3 and so on; if the text next to the map does not fit, it is left out. A dead taxel
+// is drawn as "xx". Empty: the map does not fit.
 std::vector<PaintedLine> heat_map(const ArrayView& view, Shades shades, std::size_t columns, std::size_t rows);
 
 }  // namespace tactbench::bench

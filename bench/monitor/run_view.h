@@ -1,4 +1,4 @@
-// What `status` and `watch` show of a run: the live run's own status, completed from its store. Read-only.
+// The view of a run in `status` and `watch`: the live run's own status, completed from its store. Read-only.
 #pragma once
 
 #include <cstdint>
@@ -20,8 +20,8 @@ bool shows_progress(const db::EventRecord& event);
 struct StoredRun {
   db::RunRecord record;
   std::int64_t frames = 0;
-  std::vector<db::EventRecord> events;  // the last that show how it goes, oldest first
-  std::int64_t report = 0;              // of a completed run: reporting_run() of bench/reporting/judgement.h
+  std::vector<db::EventRecord> events;  // the last events that show progress, oldest first
+  std::int64_t report = 0;              // for a completed run: reporting_run() of bench/reporting/judgement.h
 };
 
 // Throws StoreError: TB-STORE-NOT-FOUND.
@@ -30,26 +30,26 @@ StoredRun stored_run(const db::RunStore& store, std::int64_t run);
 struct RunView {
   LiveRun live;
   std::optional<StoredRun> stored;
-  std::string unread;  // why the store cannot be read
+  std::string unread;  // reason why the store cannot be read
 };
 
 // Adds what the run's own store holds; if the store cannot be read, only the live status is shown.
 RunView view_of(const LiveRun& live);
 
-// In lines for people: run, recipe, phase, pressure or force, time, frames, events; the first `kNeeded` are the most
+// As lines of text: run, recipe, phase, pressure or force, time, frames, events; the first `kNeeded` are the most
 // important.
 inline constexpr std::size_t kNeeded = 6;
 std::vector<std::string> view_lines(const RunView& view, analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
-// The same in one line, for output that is no terminal.
+// The same in one line, for output that is not a terminal.
 std::string view_line(const RunView& view, analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
 nlohmann::ordered_json view_json(const RunView& view);
 
-// A run without a process. `carried_out`: is_carried_out() of bench/run/control/locks.h.
+// Lines of a run without a process. `carried_out`: is_carried_out() of bench/run/control/locks.h.
 std::vector<std::string> stored_lines(const StoredRun& run, std::optional<bool> carried_out);
 nlohmann::ordered_json stored_json(const StoredRun& run, std::optional<bool> carried_out);
-// The command to type after a run that has ended; `db`: the store, as it is to be typed.
+// The command to type after a run that has ended; `db`: the store's path for the command line.
 std::string next_command(const StoredRun& run, const std::string& db);
-// The exit code that the run itself should have had, from what is stored: 0 completed, 1 a check refused it, 3 device,
+// The exit code that the run should have had, from the stored data: 0 completed, 1 refused by a check, 3 device,
 // process or another failure, 4 stopped or aborted, 5 store, 7 the safe state was not verified.
 ExitCode exit_code_of(const db::RunRecord& run);
 

@@ -34,7 +34,7 @@ class Watching {
       } else if (auto ended = end_of_run()) {
         return ended;
       } else {
-        show("it does not answer: its process is stopped, or just ends");
+        show("it does not answer: its process is stopped, or is ending");
       }
       (void)::poll(nullptr, 0, static_cast<int>(options_.every.count()));  // a signal ends it early
     }

@@ -1,4 +1,4 @@
-// Follows a live run until it ends: in a terminal one block painted over in place, otherwise plain lines. Only reads.
+// Follows a live run until it ends: in a terminal one block that is redrawn in place, otherwise plain lines. Read-only.
 #pragma once
 
 #include <chrono>
@@ -17,12 +17,12 @@ struct WatchRunOptions {
   bool terminal = false;
   Shades shades = Shades::kCharacters;
   analysis::PressureUnit unit = analysis::PressureUnit::kPsi;
-  std::chrono::milliseconds every{500};         // between two questions to the run
-  std::chrono::milliseconds line_every{10000};  // plain: between two lines of one phase
+  std::chrono::milliseconds every{500};         // between two requests to the run
+  std::chrono::milliseconds line_every{10000};  // plain lines: between two lines of one phase
 };
 
-// The lines with the array below them, for a screen of that size. Too small for all: first events are left out, then
-// the map is drawn coarser, and below five lines not at all.
+// The lines with the array below them, for a screen of that size. If it is too small, first events are left out, then
+// the map is drawn coarser, and below five lines the map is left out.
 std::vector<PaintedLine> watch_block(const std::vector<std::string>& lines, const std::optional<ArrayView>& array,
                                      Shades shades, ScreenSize size);
 

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A night or one part of it, and where it lies.
+// A night or one part of it, and its store.
 struct StoredPart {
   const db::RunStore* store = nullptr;
   db::NightRecord night;
@@ -33,7 +33,7 @@ std::vector<db::RunStore> open_parts(const std::vector<std::string>& names, cons
   for (std::size_t i = 0; i < names.size(); ++i) {
     std::error_code missing;
     if (fs::equivalent(names[i], store.path(), missing))
-      throw Error("TB-USAGE", "a store is not merged into itself", names[i], "leave it out");
+      throw Error("TB-USAGE", "a store cannot be merged into itself", names[i], "leave it out");
     for (std::size_t j = 0; j < i; ++j)
       if (fs::equivalent(names[i], names[j], missing))
         throw Error("TB-USAGE", "this store is named twice", names[i], "name each store once");
@@ -50,7 +50,7 @@ std::vector<ScenarioResult> results_of(const StoredPart& part) {
     } catch (const std::invalid_argument& error) {
       throw db::StoreError("TB-STORE-SQL",
                            fmt::format("store {}: night {}: {}", part.store->path(), part.night.night, error.what()),
-                           "the file was changed by another hand: take your last snapshot");
+                           "another program changed the file: restore your last snapshot");
     }
   }
   return results;
@@ -82,14 +82,14 @@ std::vector<std::vector<StoredPart>> nights_in(const std::vector<db::RunStore>& 
       if (i < static_cast<int>(own.size()) && own[static_cast<std::size_t>(i)].night.shard == shard)
         refuse_parts(fmt::format("part {} of {} of the night {} is there twice", shard, shards, part.night.suite),
                      fmt::format("{}, {}", part.store->path(), own[static_cast<std::size_t>(i)].store->path()),
-                     "merge each night by itself");
+                     "merge each night separately");
     }
     if (!missing.empty())
       refuse_parts(fmt::format("of the night {}, {} of {} missing: {}", own.front().night.suite,
                                missing.size() == 1 ? "one part is" : fmt::format("{} parts are", missing.size()),
                                shards, fmt::join(missing, ", ")),
                    own.front().store->path(),
-                   fmt::format("carry them out: tactbench nightly SUITE --shard K/{} --db FILE", shards));
+                   fmt::format("run them: tactbench nightly SUITE --shard K/{} --db FILE", shards));
     nights.push_back(std::move(own));
   }
   std::ranges::stable_sort(nights, {}, [](const auto& own) { return own.front().night.begun_utc; });
@@ -116,7 +116,7 @@ MergedNight merge_night(const std::vector<StoredPart>& parts, db::RunStore& stor
         throw db::StoreError("TB-STORE-SQL",
                              fmt::format("store {}: a night has a result of '{}', which its suite does not have",
                                          part.store->path(), result.name),
-                             "the file was changed by another hand: take your last snapshot");
+                             "another program changed the file: restore your last snapshot");
       store_of[result.name] = part.store;
       merged.results.push_back(std::move(result));
     }
@@ -131,7 +131,7 @@ MergedNight merge_night(const std::vector<StoredPart>& parts, db::RunStore& stor
   return merged;
 }
 
-// The runs of `part` that are no night's to bring; those of a night that is there already count as there.
+// Merges the runs of `part` that do not belong to a night; runs of a night that is already there count as there.
 void merge_runs(const db::RunStore& part, db::RunStore& store, MergedStores& merged) {
   std::set<std::int64_t> of_nights;
   for (const db::NightRecord& night : part.nights())
@@ -149,7 +149,7 @@ void merge_runs(const db::RunStore& part, db::RunStore& store, MergedStores& mer
       throw db::StoreError("TB-STORE-CONFLICT",
                            fmt::format("run {} of {} and run {} of {} have one UUID ({}) and different content",
                                        run.run, part.path(), here, store.path(), run.uuid),
-                           "tactbench verify shows which of them is as it was stored");
+                           "tactbench verify shows which of them is unchanged");
     ++merged.there;
     merged.fits += copy_fits(part, run.run, store, here);
   }
@@ -177,7 +177,7 @@ void merge_baselines(const db::RunStore& part, db::RunStore& store, MergedStores
 
 MergedStores merge_stores(const std::vector<std::string>& names, db::RunStore& store) {
   const std::vector<db::RunStore> parts = open_parts(names, store);
-  const auto nights = nights_in(parts);  // before anything is taken
+  const auto nights = nights_in(parts);  // before anything is copied
   MergedStores merged;
   for (const db::RunStore& part : parts) merge_runs(part, store, merged);
   // A night is compared with the baselines that were accepted before it.

@@ -1,5 +1,6 @@
 // Merges several stores into one: runs, figures, baselines, and the parts of a nightly run that several machines
-// carried out. The merged night equals that of one machine: the same runs under the same numbers, figures, comparisons.
+// carried out. The merged night equals the night of one machine: the same runs with the same numbers, figures and
+// comparisons.
 #pragma once
 
 #include <string>
@@ -16,21 +17,20 @@ struct MergedNight {
   Suite suite;             // with its seeds
   std::vector<ScenarioResult> results;
   std::vector<SubjectTrend> followed;
-  bool there = false;  // was in the store already
+  bool there = false;  // was already in the store
 };
 
 struct MergedStores {
-  std::size_t runs = 0, there = 0;  // taken, and in the store already
-  std::size_t fits = 0;             // taken of runs that were there
+  std::size_t runs = 0, there = 0;  // runs: copied; there: already in the store
+  std::size_t fits = 0;             // fits copied for runs that were already in the store
   std::size_t baselines = 0;
-  std::vector<MergedNight> nights;  // of the parts, taken now or there already
+  std::vector<MergedNight> nights;  // nights of the parts, copied now or already in the store
 };
 
-// Takes from `parts` what `store` does not have. Runs are known by UUID, so that merging again, also after a merge that
-// was cut off, adds what is missing alone. Nights come last, in the order of their beginnings, each in its suite's
-// order. Throws Error TB-MERGE-SHARD when a night's parts are not all there, or one is there twice; nothing is taken
-// then. StoreError TB-STORE-CONFLICT when a run's content is not what was stored, or differs from the run of the same
-// UUID.
+// Copies from `parts` the runs that `store` does not have. Runs are identified by UUID, so that repeating a merge, also
+// an interrupted one, adds only missing runs. Nights come last, in the order of their start, each in its suite's order.
+// Throws Error TB-MERGE-SHARD if a part of a night is missing or there twice; nothing is copied then. StoreError
+// TB-STORE-CONFLICT if a run's content has changed since it was stored, or differs from the run with the same UUID.
 MergedStores merge_stores(const std::vector<std::string>& parts, db::RunStore& store);
 
 }  // namespace tactbench::bench

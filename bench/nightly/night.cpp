@@ -76,7 +76,7 @@ class Night {
   }
 
  private:
-  // Without a process to watch them, all scenarios end, and the night with them.
+  // If no process can monitor them, all scenarios and the night are ended.
   [[noreturn]] void stop(int signal) {
     for (const Child& child : children_) child.program.terminate();
     const auto last = NightClock::now() + kWayOut;
@@ -115,7 +115,7 @@ class Night {
                    file(scenario, ".db").string(),
                    "--result",
                    result_file(scenario).string()};
-    // Scenarios use names of their own: commands to live runs do not reach them.
+    // Scenarios use separate names: commands to live runs do not reach them.
     child.environment = environment_with({"TACTBENCH_RUNTIME_DIR=" + scope_.path()});
     child.ends_with_parent = true;
     const std::string program = child.words.front(), log = file(scenario, ".log").string();
@@ -166,7 +166,7 @@ class Night {
       const std::string how = WIFSIGNALED(status) ? fmt::format("signal {}", WTERMSIG(status))
                                                   : fmt::format("exit code {}", WEXITSTATUS(status));
       result.wrong = {child.killed ? fmt::format("it had not ended after {:.0f} s and was killed", options_.limit_s)
-                                   : fmt::format("its process ended with {} and left no result", how),
+                                   : fmt::format("its process ended with {} and without a result", how),
                       scenario_log_text(file(child.scenario, ".log"))};
     }
     fs::remove(json);

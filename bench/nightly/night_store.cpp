@@ -17,8 +17,8 @@
 namespace tactbench::bench {
 namespace {
 
-// Whether the scenario's runs measured what those beginning with `earlier` did. A scenario's runs have successive
-// numbers and one purpose.
+// Whether the scenario's runs have the same frames as the runs that start with `earlier`. A scenario's runs have
+// successive numbers and one purpose.
 bool same_frames(const db::RunStore& store, const std::vector<ScenarioRun>& runs, std::int64_t earlier) {
   const std::string purpose = store.run(earlier).purpose;
   for (std::size_t i = 0; i < runs.size(); ++i) {
@@ -40,18 +40,18 @@ std::vector<std::string> changed_figures(const TrendReader& history, std::int64_
     const auto own = figures.find(name);
     stored_figures += own == figures.end() ? 0 : 1;
     if (own == figures.end())
-      lines.push_back(fmt::format("{} is missing; run {} has it, of the same frames", name, earlier));
+      lines.push_back(fmt::format("{} is missing; run {} has it, with the same frames", name, earlier));
     else if (!equal(own->second, before))
       lines.push_back(
-          fmt::format("{} is {:.9g}, was {:.9g} in run {}, of the same frames", name, own->second, before, earlier));
+          fmt::format("{} is {:.9g}, was {:.9g} in run {}, with the same frames", name, own->second, before, earlier));
   }
   if (stored_figures < figures.size())
-    lines.push_back(fmt::format("{} that run {} does not have, of the same frames",
+    lines.push_back(fmt::format("{} that run {}, with the same frames, does not have",
                                 analysis::counted(figures.size() - stored_figures, "figure"), earlier));
   return lines;
 }
 
-// Fixed seeds are held by what they measured: compares the scenario with the last one of the same seeds, if any.
+// Compares the scenario with the last one with the same seeds, if any: fixed seeds must give the same data.
 void compare_with_before(const db::RunStore& store, const std::string& subject, const TrendReader& history,
                          ScenarioResult& result) {
   const db::RunRecord own = store.run(result.runs.front().run);
@@ -83,7 +83,7 @@ StoreOfResult in_stores_of(const std::string& folder) {
 
 namespace {
 
-// Of all seeds of a scenario but the last, nothing is shown of earlier runs.
+// For all seeds of a scenario except the last, earlier runs are not shown.
 void keep_newest_alone(SubjectTrend& followed) {
   for (TrendFigure& figure : followed.figures) {
     figure.runs = {figure.runs.back()};
@@ -194,9 +194,10 @@ void copy_figures(const db::RunStore& other, std::int64_t there, db::RunStore& s
 
 std::size_t copy_fits(const db::RunStore& other, std::int64_t there, db::RunStore& store, std::int64_t here) {
   if (const std::vector<std::string> wrong = other.check_seals(there); !wrong.empty())
-    throw db::StoreError("TB-STORE-CONFLICT",
-                         fmt::format("store {}: run {} is not what was stored: {}", other.path(), there, wrong.front()),
-                         "tactbench verify RUN, and take the last snapshot");
+    throw db::StoreError(
+        "TB-STORE-CONFLICT",
+        fmt::format("store {}: run {} has changed since it was stored: {}", other.path(), there, wrong.front()),
+        "tactbench verify RUN shows more; restore the last snapshot");
   const std::vector<db::FitRecord> known = store.fits(here);
   std::map<std::int64_t, std::int64_t> taken;
   for (db::FitRecord fit : other.fits(there)) {

@@ -115,7 +115,7 @@ void judge(const Scenario& scenario, db::RunStore& store, ScenarioResult& result
   result.figures.merge(analysis::figures_of(fit, e));
 }
 
-// A run that is not fitted gives figures of its rig.
+// For a run that is not fitted, the figures of its rig are used.
 void add_rig_figures(const db::RunStore& store, ScenarioResult& result) {
   const analysis::StoredRun run = analysis::read_run(store, store.run(result.runs.back().run));
   result.figures["instruments"] = static_cast<double>(run.record.devices.size());
@@ -207,7 +207,7 @@ std::vector<std::string> differences(const Scenario& scenario, const ScenarioRes
       lines.push_back(fmt::format("there is no figure {}", figure));
     else if (!(came->second >= limits.first && came->second <= limits.second))
       lines.push_back(
-          fmt::format("{} is {:.6g}, must lie in {:g} to {:g}", figure, came->second, limits.first, limits.second));
+          fmt::format("{} is {:.6g}, must be {:g} to {:g}", figure, came->second, limits.first, limits.second));
   }
   return lines;
 }

@@ -12,13 +12,13 @@ namespace tactbench::bench {
 
 struct ScenarioRun {
   std::int64_t run = 0;
-  std::string outcome, error, safe, content_sha256;  // error: identifier, empty where none
+  std::string outcome, error, safe, content_sha256;  // error: identifier, empty if there is none
 };
 
 struct ScenarioResult {
   std::string name, about;           // name: the scenario's label
   std::vector<std::string> wrong;    // one line per unmet expectation; empty: green
-  std::vector<std::string> remarks;  // notes without a failure: changes and shifts
+  std::vector<std::string> remarks;  // remarks that are not failures: changes and shifts
   std::string compared;              // comparison with the last night with the same seed; empty: none
   std::vector<ScenarioRun> runs;
   std::map<std::string, double> figures;           // of the judged run; unit in the name
@@ -31,14 +31,14 @@ struct ScenarioResult {
 // that names something that does not exist.
 ScenarioResult carry_out(const Scenario& scenario, const std::string& store);
 
-// Whether carry_out() made `store`, complete or not: it holds only a scenario's runs, without the tags and notes of
-// people or of store_night().
+// Whether carry_out() made `store`, complete or not: it holds only a scenario's runs, without tags and notes by people
+// or by store_night().
 bool is_scenario_store(const std::string& store);
 
 // One line per difference between `result` and the expectations of `scenario`.
 std::vector<std::string> differences(const Scenario& scenario, const ScenarioResult& result);
 
-// As JSON text in one line, and back: a scenario runs in a process of its own. Throws std::invalid_argument.
+// To JSON text in one line, and back: a scenario runs in a separate process. Throws std::invalid_argument.
 std::string to_json(const ScenarioResult& result);
 ScenarioResult result_from_json(const std::string& text);
 

@@ -162,8 +162,8 @@ std::vector<std::string> shift_lines(const SubjectTrend& followed) {
 
 std::string short_baseline(const SubjectTrend& followed) {
   if (!followed.baseline || followed.counted >= analysis::kMinStartUpRuns) return {};
-  if (followed.counted < 3) return "fewer than three measurements: it does not judge";
-  return fmt::format("fewer than {} measurements: it shows gross changes only, accept a longer one",
+  if (followed.counted < 3) return "fewer than three measurements: it is not used to judge";
+  return fmt::format("fewer than {} measurements: it shows only gross changes; accept a longer one",
                      analysis::kMinStartUpRuns);
 }
 
@@ -250,7 +250,7 @@ namespace {
 
 constexpr const char* kPsiWord = "psi";
 
-// Where psi stands in a name as a word of its own; npos: nowhere.
+// Position of psi as a separate word in a name; npos: none.
 std::size_t place_of_psi(const std::string& name) {
   for (std::size_t at = name.find(kPsiWord); at != std::string::npos; at = name.find(kPsiWord, at + 1)) {
     const std::size_t end = at + 3;

@@ -50,7 +50,7 @@ Key taxels_key(const std::string& status, Scenario& scenario) {
 
 Key verdict_key(const std::string& criterion, Scenario& scenario) {
   return key::made({criterion, "one of", "-", fmt::format("{}", fmt::join(analysis::verdict_names(), ", ")), "",
-                    "Expected verdict of a criterion; overall: of all together"},
+                    "Expected verdict of a criterion; overall: all together"},
                    [&scenario, criterion](const TomlTable& table) {
                      scenario.verdicts[criterion] = table.word(criterion, analysis::verdict_names());
                    });
@@ -81,7 +81,7 @@ Key held_out_key(const char* name, Scenario& scenario, const char* meaning) {
 KeyTable scenario_keys(Scenario& scenario) {
   constexpr Range kSeeds{0, 9007199254740992.0};  // 2^53
   return {
-      key::required(key::text("about", scenario.about, "What it shows, in a sentence")),
+      key::required(key::text("about", scenario.about, "Purpose of the scenario, in a sentence")),
       key::text("bench", scenario.bench, "Bench file, which must be simulated"),
       key::texts("recipes", scenario.recipes, "Recipes of the run; none: descending and ascending"),
       key::texts("set", scenario.set, "Overrides of bench file and recipes, as --set of tactbench run"),
@@ -91,10 +91,10 @@ KeyTable scenario_keys(Scenario& scenario) {
       key::flag("void_held_out", scenario.void_held_out,
                 "Declare the first held-out run void before anything is judged"),
       key::flag("own_run", scenario.own_run,
-                "Hold the figures of the fit's own run against the limits: no verdict on the sensor"),
+                "Compare the figures of the fitted run itself with the limits: not a verdict on the sensor"),
       key::flag("fits", scenario.fits, "Whether the run is fitted and judged; false for recipes without a loop"),
       key::word("model", scenario.dynamic, {"dynamic", "elam"}, "dynamic",
-                "Kind of the models: dynamic, which calibrate makes, or elam"),
+                "Kind of the models: dynamic, as made by calibrate, or elam"),
       key::text("limits", scenario.limits, "Limits file of the verdicts"),
       key::number("seed", scenario.seed, kOne, kSeeds, "Seed of noise and faults"),
       key::number("sensor_seed", scenario.sensor_seed, kOne, kSeeds, "Seed of the array"),
@@ -120,12 +120,12 @@ Scenario read_scenario(const TomlTable& table, const std::set<std::string>& take
     for (const std::string& name : below.keys()) read_keys(below, {key_of(name, scenario)});
   }
   if (!scenario.fits && !(scenario.taxels.empty() && scenario.verdicts.empty()))
-    table.fail("fits", "verdicts and taxels come from a fit, and fits = false", "omit them, or remove fits = false");
+    table.fail("fits", "verdicts and taxels come from a fit, but fits = false", "omit them, or remove fits = false");
   if (scenario.own_run && !scenario.held_out.empty())
     table.fail("own_run", "own_run and held_out cannot be combined", "leave one out");
   if (!scenario.verdicts.empty() && scenario.held_out.empty() && !scenario.own_run)
-    table.fail("verdicts", "there is no run to be judged except the fit's own",
-               "add held_out, or own_run = true to judge the own figures");
+    table.fail("verdicts", "the only run to judge is the fitted one",
+               "add held_out, or own_run = true to judge the fitted run itself");
   if (scenario.void_held_out && scenario.held_out.empty())
     table.fail("void_held_out", "there is no held-out run to be declared void", "add held_out");
   table.finish();
@@ -182,7 +182,7 @@ Suite with_seeds(const Suite& suite, int seeds) {
   return many;
 }
 
-// What a night takes of its suite.
+// Selection of scenarios for a night.
 
 Suite selected(Suite suite, const Selection& selection) {
   for (const std::string& name : selection.only)

@@ -1,5 +1,5 @@
-// The nightly suite: scenarios on the simulated rig, each with its expected result. A TOML file; unknown keys are
-// errors; sequences/nightly.toml is the shipped one and explains the keys.
+// The nightly suite: scenarios on the simulated rig, each with its expected result. Read from a TOML file; unknown keys
+// are errors. sequences/nightly.toml is the shipped suite and explains the keys.
 #pragma once
 
 #include <cstdint>
@@ -16,25 +16,26 @@ namespace tactbench::bench {
 
 struct Scenario {
   std::string name, about;  // name: letters, digits and hyphens; unique in its suite
-  std::string label;        // the name, and with several seeds the seed
+  std::string label;        // the name, followed by the seed if there are several
   std::string bench = "simulated.toml";
-  std::vector<std::string> recipes;  // names of shipped ones or files
-  std::vector<std::string> set;      // as --set of the verb run
-  // Held-out runs, each with its own overrides besides `set`: judged, the worst one counts.
+  std::vector<std::string> recipes;  // names of shipped recipes, or files
+  std::vector<std::string> set;      // as the option --set of the verb run
+  // Held-out runs, each with overrides in addition to `set`; all are judged, and the worst one counts.
   std::vector<std::vector<std::string>> held_out;
-  bool void_held_out = false;                  // the first of them is declared void before anything is judged
-  bool own_run = false;                        // judges the figures of the fit's own run: no verdict on the sensor
-  bool fits = true;                            // the runs are fitted and judged
-  bool dynamic = false;                        // by dynamic models, as calibrate does; else by ELAM
+  bool void_held_out = false;  // the first of them is declared void before anything is judged
+  bool own_run = false;        // judges the figures of the fitted run itself: this is not a verdict on the sensor
+  bool fits = true;            // the runs are fitted and judged
+  bool dynamic = false;        // by dynamic models, as calibrate does; else by ELAM
   std::string limits = "nightly-limits.toml";  // for the verdicts
   std::uint64_t seed = 1, sensor_seed = 1;
 
   // Expectations.
-  std::string outcome = "completed";  // of the last run
-  std::string error;                  // its stable identifier; empty: none
+  std::string outcome = "completed";  // outcome of the last run
+  std::string error;                  // identifier of the error; empty: none
   std::string safe = "verified";
-  std::map<std::string, std::vector<int>> taxels;  // status -> exactly these, row-major from 0; absent: none
-  std::map<std::string, std::string> verdicts;  // criterion -> worst word; "mismatch" is each of its scopes; "overall"
+  std::map<std::string, std::vector<int>> taxels;  // status -> exactly these taxels, row-major from 0; absent: none
+  std::map<std::string, std::string>
+      verdicts;  // criterion -> worst word; "mismatch" applies to each of its scopes; "overall"
   std::map<std::string, std::pair<double, double>> figures;  // name -> [low, high]
 };
 
@@ -49,16 +50,16 @@ Suite read_suite(const std::string& path);
 Suite parse_suite(const std::string& text, const std::string& file);
 std::vector<sequences::KeyFacts> suite_keys();
 
-// Each scenario that many times, with its seed and the following ones; labels "NAME-seed-S".
+// Each scenario `seeds` times, with its own seed and the following ones; labels "NAME-seed-S".
 Suite with_seeds(const Suite& suite, int seeds);
 
 // Which scenarios of a suite a night carries out, and with which seeds.
 struct Selection {
-  std::vector<std::string> only;      // these scenarios alone; empty: all
+  std::vector<std::string> only;      // only these scenarios; empty: all
   std::optional<std::uint64_t> seed;  // instead of the scenarios' own
   int seeds = 1;
 };
-// In the suite's order. Throws Error TB-NIGHTLY-SCENARIO when there is no scenario of a name.
+// In the suite's order. Throws Error TB-NIGHTLY-SCENARIO if a named scenario does not exist.
 Suite selected(Suite suite, const Selection& selection);
 // As JSON text in one line, and back. Throws std::invalid_argument.
 std::string to_json(const Selection& selection);

@@ -31,7 +31,8 @@ table.figures td, table.figures th { font-size: 11px; vertical-align: middle; }
 .dot { fill: #00507d; } .out { fill: #aa1111; }
 )";
 
-// The newest values, the baseline's band behind them, the last one as a dot. What is beyond the scale lies at its edge.
+// The newest values, the baseline's band behind them, the last one as a dot. Values beyond the scale are drawn at its
+// edge.
 Markup small_plot(const TrendFigure& figure) {
   const std::size_t count = std::min(kPlotRuns, figure.values.size());
   const std::vector<double> shown(figure.values.end() - static_cast<std::ptrdiff_t>(count), figure.values.end());

@@ -13,11 +13,11 @@ namespace tactbench::bench {
 struct NightPage {
   std::string begun_utc, program;       // program: version and commit
   std::vector<ScenarioResult> results;  // in the suite's order
-  std::vector<SubjectTrend> followed;   // of the suite's subjects, where nights are kept; else empty
+  std::vector<SubjectTrend> followed;   // trends of the suite's subjects, if nights are stored; else empty
 };
 std::string night_page(const Suite& suite, const NightPage& night);
 
-// `origin`: simulated data is marked so on the page.
+// `origin`: simulated data is marked as such on the page.
 std::string trend_page(const std::string& title, const std::string& origin, const std::vector<SubjectTrend>& followed);
 
 }  // namespace tactbench::bench

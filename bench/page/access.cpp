@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::string_view kBearer = "Bearer ";
 
-// Takes as long for any two texts of this length.
+// Takes the same time for any two texts of this length.
 bool equal(const std::string& one, const std::string& other) {
   return one.size() == other.size() && CRYPTO_memcmp(one.data(), other.data(), one.size()) == 0;
 }
@@ -51,25 +51,26 @@ std::vector<std::string> hosts_of(const std::vector<std::string>& names, std::ui
 
 std::optional<HttpResponse> refusal(const HttpRequest& request, PageNeeds needs, const PageAccess& access) {
   if (std::ranges::find(access.hosts, lower_case(request.field("host"))) == access.hosts.end())
-    return text_response(421, "this server has no such name: open the address that tactbench printed\n");
+    return text_response(421, "this server does not have that name: open the address that tactbench printed\n");
   if (request.has("origin") && !is_own_origin(request.field("origin"), access))
-    return text_response(403, "another site's page asks\n");
+    return text_response(403, "the request comes from another site's page\n");
   const std::string site = request.field("sec-fetch-site");
   const bool own_site = site.empty() || site == "same-origin" || site == "none";
-  // A link to the page may stand anywhere: it shows nothing without its token, and nobody can frame it.
-  if (needs != PageNeeds::kNothing && !own_site) return text_response(403, "another site's page asks\n");
+  // A link to the page may be on any site: the page shows nothing without its token, and cannot be framed.
+  if (needs != PageNeeds::kNothing && !own_site)
+    return text_response(403, "the request comes from another site's page\n");
   if (needs == PageNeeds::kCommand) {
-    if (request.method != "POST") return text_response(405, "a command is a POST\n");
-    if (request.field("content-type") != "application/json") return text_response(415, "a command is JSON\n");
+    if (request.method != "POST") return text_response(405, "a command must be a POST\n");
+    if (request.field("content-type") != "application/json") return text_response(415, "a command must be JSON\n");
     if (request.field("x-tactbench") != "1") return text_response(403, "not from the page\n");
   } else if (request.method != "GET") {
-    return text_response(405, "only GET here\n");
+    return text_response(405, "only GET is allowed here\n");
   }
   if (needs == PageNeeds::kNothing) return std::nullopt;
   if (needs == PageNeeds::kCommand ? may_command(request, access) : may_read(request, access)) return std::nullopt;
-  HttpResponse refused = text_response(401, needs == PageNeeds::kCommand
-                                                ? "commands need the operator's link\n"
-                                                : "open the whole link that tactbench printed: its end is the key\n");
+  HttpResponse refused = text_response(
+      401, needs == PageNeeds::kCommand ? "commands need the operator's link\n"
+                                        : "open the complete link that tactbench printed: its end is the key\n");
   refused.fields.emplace_back("WWW-Authenticate", "Bearer");
   return refused;
 }
@@ -77,7 +78,7 @@ std::optional<HttpResponse> refusal(const HttpRequest& request, PageNeeds needs,
 std::string new_token() {
   std::array<unsigned char, 16> bytes{};
   if (RAND_bytes(bytes.data(), static_cast<int>(bytes.size())) != 1)
-    throw std::runtime_error("the system gives no random numbers");
+    throw std::runtime_error("the system provides no random numbers");
   constexpr const char* kDigits = "0123456789abcdef";
   std::string text;
   for (const unsigned byte : bytes) {

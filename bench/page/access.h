@@ -12,10 +12,11 @@
 namespace tactbench::bench {
 
 struct PageAccess {
-  std::string read_token;          // of the link; also opens nothing but reading
-  std::string command_token;       // empty: nobody may command
-  std::string operator_name;       // to whom the command token belongs
-  std::vector<std::string> hosts;  // "127.0.0.1:8765": all names of this server that a browser may use, as hosts_of
+  std::string read_token;     // part of the link; gives the right to read only
+  std::string command_token;  // empty: nobody may command
+  std::string operator_name;  // the person to whom the command token belongs
+  std::vector<std::string>
+      hosts;  // "127.0.0.1:8765": all names of this server that a browser may use, in the form of hosts_of()
   std::string scheme = "http";
 };
 
@@ -30,11 +31,11 @@ enum class PageNeeds {
 // or 403, and a missing or wrong token with 401. Never reveals which token would have been right.
 std::optional<HttpResponse> refusal(const HttpRequest& request, PageNeeds needs, const PageAccess& access);
 
-// Whether the request carries the operator's token, or at least one that reads.
+// Whether the request carries the operator's token; or at least one that may read.
 bool may_command(const HttpRequest& request, const PageAccess& access);
 bool may_read(const HttpRequest& request, const PageAccess& access);
 
-// As a browser writes them: in lower case, and without the port where it is the scheme's own.
+// As a browser writes them: in lower case, and without the port if it is the default of the scheme.
 std::vector<std::string> hosts_of(const std::vector<std::string>& names, std::uint16_t port, const std::string& scheme);
 
 // 128 random bits as 32 hex digits.

@@ -6,7 +6,7 @@
 
 namespace tactbench::bench {
 
-// By name: "page.html", "page.js". Empty: there is none.
+// The file `name`: "page.html", "page.js". Empty: there is no such file.
 std::string_view asset(std::string_view name);
 
 }  // namespace tactbench::bench

@@ -16,7 +16,7 @@ namespace tactbench::bench {
 namespace {
 
 constexpr std::chrono::seconds kLongestWait{5};
-constexpr std::size_t kMostUnderWay = 16;  // a panic has as many places of its own
+constexpr std::size_t kMostUnderWay = 16;  // a panic has as many separate places
 constexpr int kLargestNumber = std::numeric_limits<int>::max();
 
 HttpResponse told(int status, bool taken, const std::string& text, const std::string& by = {}) {
@@ -32,7 +32,7 @@ struct Asked {
   bool panics = false;
 };
 
-// None: it is no command of the page.
+// None: it is not a command of the page.
 std::optional<Asked> read_command(const std::string& body, const std::string& behalf) {
   const nlohmann::json json = analysis::try_json(body);
   if (!json.is_object()) return std::nullopt;
@@ -63,7 +63,7 @@ std::optional<Asked> read_command(const std::string& body, const std::string& be
 
 void Commands::send(const std::string& body, const LiveRun* live, const std::string& behalf, Reply reply) {
   const std::optional<Asked> asked = read_command(body, behalf);
-  if (!asked) return reply(told(400, false, "this is no command of the page"));
+  if (!asked) return reply(told(400, false, "this is not a command of the page"));
   if (live == nullptr) return reply(told(200, false, "no run is live"));
   if (asked->run != live->status.run)
     return reply(told(200, false, fmt::format("run {} is live now, not run {}", live->status.run, asked->run)));
@@ -82,8 +82,8 @@ void Commands::receive(Sent& sent) {
   if (sent.done) return;
   const std::optional<LiveRun> answer = sent.connection->newest();
   if (!answer && sent.connection->open()) return;
-  sent.done = true;  // look() removes it: this is called by what it would remove
-  if (!answer) return sent.reply(told(200, false, "the run has hung up without an answer"));
+  sent.done = true;  // look() removes it: this function is called by the object to be removed
+  if (!answer) return sent.reply(told(200, false, "the run closed the connection without an answer"));
   sent.reply(told(200, answer->taken, one_line(answer->text, kMaxReplyColumns), peer_text(answer->server)));
 }
 
@@ -94,7 +94,7 @@ void Commands::look() {
     sent.done = true;
     sent.reply(told(200, false,
                     fmt::format("the run has not acknowledged within {} s: its process is stopped, or waits for an "
-                                "instrument; look at the rig",
+                                "instrument; check the rig",
                                 kLongestWait.count())));
   }
   sent_.remove_if([](const Sent& sent) { return sent.done; });

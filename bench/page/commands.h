@@ -1,5 +1,5 @@
-// Passes commands and answers from the page to the live run: each is sent on a connection of its own and answered when
-// the run has acknowledged it, or refused when it does not in time.
+// Passes commands and answers from the page to the live run: each is sent on a separate connection and answered when
+// the run has acknowledged it, or refused if the run does not do so in time.
 #pragma once
 
 #include <chrono>
@@ -15,10 +15,10 @@ namespace tactbench::bench {
 class Commands {
  public:
   explicit Commands(HttpServer& server) : server_(server) {}
-  // `body`: {"word": "pause"} or {"word": "answer", "question": 3, "text": "done"}, with "run", the number that the
-  // person saw. `behalf`: who asks, for the run's events. The reply is JSON: taken, text, and by whom.
+  // `body`: {"word": "pause"} or {"word": "answer", "question": 3, "text": "done"}, with "run", the run number that the
+  // page displayed. `behalf`: the requesting person, for the run's events. The reply is JSON: taken, text, and by whom.
   void send(const std::string& body, const LiveRun* live, const std::string& behalf, Reply reply);
-  void look();  // to be called a few times a second: gives up what is not acknowledged
+  void look();  // to be called a few times per second: gives up commands that were not acknowledged
 
  private:
   struct Sent {

@@ -22,7 +22,7 @@ constexpr std::size_t kShownEvents = 12;
 constexpr std::chrono::milliseconds kReadAgain{3000};
 constexpr std::chrono::milliseconds kReadAtMost{500};
 
-// Commands to actuators, readings and accounts tell nothing of how it goes.
+// Commands to actuators, readings and accounts do not show progress.
 bool tells(const db::EventRecord& event) {
   constexpr std::array kQuiet{"command", "stage", "environment", "fail-safe", "relays", "time"};
   return std::ranges::find(kQuiet, event.kind) == kQuiet.end();
@@ -107,7 +107,7 @@ void DisplayedRun::look(const LiveRun* live) {
   std::string seen;
   if (live != nullptr)
     seen = fmt::format("{} {} {}", live->status.run, to_string(live->status.state), live->status.frames);
-  const bool other = live != nullptr ? run() != live->status.run : was_live_;  // the end, too, is told as it is stored
+  const bool other = live != nullptr ? run() != live->status.run : was_live_;  // the end is also shown as stored
   new_picture_ =
       new_picture_ || (frames_ && was_live_ != (live != nullptr));  // the newest, or that at the highest load
   was_live_ = live != nullptr;
@@ -177,47 +177,47 @@ nlohmann::json DisplayedRun::picture() const { return frames_ ? frames_->picture
 
 nlohmann::json readings_json(const LiveRun& live) {
   const RunStatus& status = live.status;
-  nlohmann::json told = {{"run", status.run},
+  nlohmann::json data = {{"run", status.run},
                          {"phase", one_line(status.phase, kMaxAnswerColumns)},
                          JSON_FIELDS(status, step, steps, frames, left_s, left_low_s, left_high_s)};
-  if (status.target_n) told["target_n"] = *status.target_n;
+  if (status.target_n) data["target_n"] = *status.target_n;
   if (const auto& now = status.readings) {
-    told.update({{"time_s", now->time_s},
+    data.update({{"time_s", now->time_s},
                  {"setpoint_psi", now->setpoint_psi},
                  {"feedback_psi", now->feedback_psi},
                  {"reference_psi", now->reference_psi},
                  {"settled", now->settled}});
-    if (now->force_n) told["force_n"] = *now->force_n;
+    if (now->force_n) data["force_n"] = *now->force_n;
   }
-  return told;
+  return data;
 }
 
 nlohmann::json DisplayedRun::state(const LiveRun* live, double silent_s) const {
   const bool ours = live != nullptr && stored_ && stored_->record.run == live->status.run;
-  nlohmann::json told = {
+  nlohmann::json data = {
       {"live", live != nullptr}, {"silent_s", silent_s}, {"store", db_}, {"unread", unread_}, {"nights", nights_}};
   if (live != nullptr) {
     RunView view{*live, {}, unread_};
     if (ours) view.stored = stored_;
-    told["view"] = view_json(view);
-    told["view"]["question_id"] = live->status.question_id;
+    data["view"] = view_json(view);
+    data["view"]["question_id"] = live->status.question_id;
     if (const auto& answer = live->status.answer)
-      told["view"]["answer"] = {{"question", answer->question}, {"text", answer->text}, {"who", answer->who}};
+      data["view"]["answer"] = {{"question", answer->question}, {"text", answer->text}, {"who", answer->who}};
   } else if (stored_) {
-    told["view"] = stored_json(*stored_, carried_out_);
-    told["next"] = next_command(*stored_, db_);
-    told["verdict"] = verdict_json(calibration_);
+    data["view"] = stored_json(*stored_, carried_out_);
+    data["next"] = next_command(*stored_, db_);
+    data["verdict"] = verdict_json(calibration_);
   }
-  told["origin"] = stored_ ? stored_->record.origin : "";
+  data["origin"] = stored_ ? stored_->record.origin : "";
   const bool shown = ours || live == nullptr;
   const SafeStateText safe =
       safe_state_text(live, shown && stored_ ? &*stored_ : nullptr, shown ? newest_safe_ : std::nullopt);
-  told["safe"] = {{"state", safe.state}, {"words", one_line(safe.words, kMaxTextLength)}};
-  told["before"] = shown ? before_ : 0;
-  told["events"] = nlohmann::json::array();
+  data["safe"] = {{"state", safe.state}, {"words", one_line(safe.words, kMaxTextLength)}};
+  data["before"] = shown ? before_ : 0;
+  data["events"] = nlohmann::json::array();
   if (shown)
-    for (const db::EventRecord& event : events_) told["events"].push_back(event_json(event));
-  return told;
+    for (const db::EventRecord& event : events_) data["events"].push_back(event_json(event));
+  return data;
 }
 
 }  // namespace tactbench::bench

@@ -1,5 +1,5 @@
-// Content of the page's first view: the live run of a store, or its last one, described as by `tactbench status`, its
-// safe state with the witnesses, its newest events with their remedies, and the array's image.
+// Content of the page's first view: the live run of a store, or its last run, described as by `tactbench status`; its
+// safe state with the readings that prove it, its newest events with their remedies, and the array's image.
 #pragma once
 
 #include <chrono>
@@ -19,16 +19,16 @@ struct SafeStateText {
   std::string state;  // proved | loaded | unknown | none
   std::string words;
 };
-// `newest_safe`: the run's newest event of that kind. `live`: null when no process carries the run out.
+// `newest_safe`: the run's newest event of kind "safe". `live`: null when no process carries the run out.
 SafeStateText safe_state_text(const LiveRun* live, const StoredRun* stored,
                               const std::optional<db::EventRecord>& newest_safe);
 
-// What changes many times a second.
+// Data that change many times per second.
 nlohmann::json readings_json(const LiveRun& live);
 
 class DisplayedRun {
  public:
-  // `bench`: its id, of which the last run is shown when none is live; empty: of any.
+  // `bench`: id of the bench whose last run is shown when none is live; empty: any bench.
   DisplayedRun(std::string db, std::string bench) : db_(std::move(db)), bench_(std::move(bench)) {}
 
   // Reads the store when `live` reports something new, else every few seconds; null: no run is live.
@@ -36,9 +36,9 @@ class DisplayedRun {
   // True once for each newer picture.
   bool consume_new_picture();
   [[nodiscard]] nlohmann::json picture() const;
-  // `silent_s`: since the run's last word.
+  // `silent_s`: seconds since the run's last status.
   [[nodiscard]] nlohmann::json state(const LiveRun* live, double silent_s) const;
-  // The store, opened once it exists. Null: it cannot be read; `why` is then the reason.
+  // The store, opened once it exists. Null: it cannot be read, for the reason `why`.
   const db::RunStore* store(std::string* why = nullptr);
   [[nodiscard]] std::int64_t run() const { return stored_ ? stored_->record.run : 0; }
 
@@ -57,14 +57,14 @@ class DisplayedRun {
   std::vector<db::EventRecord> events_;  // newest first
   std::optional<db::EventRecord> newest_safe_;
   std::optional<bool> carried_out_;
-  Standing calibration_;         // of an ended run: calibration_of()
+  Standing calibration_;         // for an ended run: calibration_of()
   std::size_t nights_ = 0;       // stored_nights()
   std::int64_t last_frame_ = 0;  // its position, as stored
   std::int64_t before_ = 0;      // the sensor's last completed run before this one
   std::optional<RunFrames> frames_;
   bool new_picture_ = false;
   RealClock::time_point read_{};
-  std::string seen_;  // of the live run, when the store was read
+  std::string seen_;  // state of the live run when the store was last read
   bool was_live_ = false;
 };
 

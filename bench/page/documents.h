@@ -1,5 +1,6 @@
 // HTML documents that other verbs write, shown in the page's frame: reports, comparisons, trends. Each is made by this
-// same program in a process of its own, so that its content has one source and the server stays small and responsive.
+// program in a separate process, so that the verb and the page show the same content and the server stays small and
+// responsive.
 #pragma once
 
 #include <chrono>
@@ -17,24 +18,24 @@
 namespace tactbench::bench {
 
 struct Document {
-  std::string id;     // unguessable: who knows it may read it
-  std::string error;  // why it could not be made; then no id
+  std::string id;     // unguessable: anyone who knows it may read the document
+  std::string error;  // reason why it could not be made; then there is no id
 };
 
 class Documents {
  public:
-  // `program`: this one; tests name another.
+  // `program`: path of this program; tests give another.
   Documents(std::string db, std::string program = "/proc/self/exe");
 
   using Ready = std::function<void(const Document&)>;
   // `words`: the command line without the store and the output file: {"report", "5"}, `output` "-o"; `ready` is called
   // once, from here or from look(). At most two are made at a time; others wait, up to a limit.
   void make(const std::vector<std::string>& words, const std::string& output, Ready ready);
-  // A file that is there, kept as it is now.
+  // Keeps the present content of an existing file.
   Document keep(const std::string& path);
-  void look();  // to be called many times a second
+  void look();  // to be called many times per second
   [[nodiscard]] bool busy() const { return !working_.empty(); }
-  // The document's text; none: there is none of that id, or no longer.
+  // The document's text; none: there is no document with that id, or no longer.
   [[nodiscard]] std::optional<std::string> text(const std::string& id) const;
 
  private:

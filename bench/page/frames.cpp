@@ -21,7 +21,7 @@ constexpr int kLoopPoints = 4000;
 constexpr int kLongestGap = 10;
 constexpr double kLongestInterval = 86'400.0;  // s between two frames
 
-// To so many steps a unit. What is no number is 0.
+// Rounded to so many steps per unit. A value that is not a number becomes 0.
 double rounded(double value, double steps) { return std::isfinite(value) ? std::round(steps * value) / steps : 0.0; }
 
 template <class Values>
@@ -33,7 +33,7 @@ nlohmann::json rounded_all(const Values& values, double steps) {
 
 double psi_or_n(const db::StoredFrame& frame) { return frame.wrench ? -frame.wrench->wrench[2] : frame.reference_psi; }
 
-// The whole array's models of that run; none: it has none that stream.
+// The whole array's models of that run; none: it has no models that can compensate frames.
 std::optional<analysis::SensorModel> models_of(const db::RunStore& store, std::int64_t run) {
   const std::optional<db::FitRecord> record = store.default_fit(run);
   if (!record) return std::nullopt;
@@ -119,7 +119,7 @@ nlohmann::json RunFrames::picture(bool at_peak) const {
   const std::optional<Seen>& seen = at_peak ? peak_ : newest_;
   if (!basis_ || (!seen && !seated_)) return {};
   const ArrayView& view = seen ? seen->view : *seated_;
-  nlohmann::json told = {{"run", run_.run},
+  nlohmann::json data = {{"run", run_.run},
                          {"position", seen ? seen->frame.position : 0},
                          {"last", position_},
                          {"peak", at_peak},
@@ -128,33 +128,33 @@ nlohmann::json RunFrames::picture(bool at_peak) const {
                          {"dead", view.dead},
                          {"dead_known", view.dead_are_known},
                          {"saturated", view.saturated}};
-  if (!seen) return told;
+  if (!seen) return data;
   const db::StoredFrame& frame = seen->frame;
-  told["void"] = frame.is_void;
+  data["void"] = frame.is_void;
   if (frame.wrench)
-    told["press"] = {
+    data["press"] = {
         {"target_n", frame.wrench->target_n}, {"wrench", frame.wrench->wrench}, {"place_mm", frame.wrench->place_mm}};
   if (!seen->pressure_psi.empty()) {
-    told["psi"] = rounded_all(seen->pressure_psi, 100.0);
-    told["model"] = compensated_->words();
-    told["unknown"] =
+    data["psi"] = rounded_all(seen->pressure_psi, 100.0);
+    data["model"] = compensated_->words();
+    data["unknown"] =
         std::ranges::count_if(seen->status, [](std::uint16_t one) { return (one & analysis::kTaxelUnknown) != 0; });
   }
-  return told;
+  return data;
 }
 
 nlohmann::json loop_points(const db::RunStore& store, std::int64_t run, int taxel, std::int64_t after) {
   const db::RunRecord record = store.run(run);
   nlohmann::json x = nlohmann::json::array(), y = x, set = x, t = x;
-  nlohmann::json told = {{"run", run}, {"taxel", taxel}, {"last", after}, {"axis", "psi"}};
+  nlohmann::json data = {{"run", run}, {"taxel", taxel}, {"last", after}, {"axis", "psi"}};
   const std::optional<ArrayBasis> basis = array_basis(store, record);
   db::RunFrameReader look(store, run);
   if (basis) {
     look.frames_after(std::max(after, look.before_newest(kLoopPoints)), kLoopPoints, [&](const db::StoredFrame& frame) {
-      told["last"] = frame.position;
+      data["last"] = frame.position;
       const char* axis = frame.wrench ? "N" : "psi";
-      if (told["axis"] != axis) x = y = set = t = nlohmann::json::array();  // a run may have both
-      told["axis"] = axis;
+      if (data["axis"] != axis) x = y = set = t = nlohmann::json::array();  // a run may have both
+      data["axis"] = axis;
       const std::vector<double> means = db::mean_counts(frame);
       if (frame.is_void || taxel >= static_cast<int>(means.size())) return;
       double counts = 0.0;
@@ -169,8 +169,8 @@ nlohmann::json loop_points(const db::RunStore& store, std::int64_t run, int taxe
       y.push_back(rounded(counts * basis->volts_per_count, 1e5));
     });
   }
-  told.update({{"x", x}, {"y", y}, {"set", set}, {"t", t}});
-  return told;
+  data.update({{"x", x}, {"y", y}, {"set", set}, {"t", t}});
+  return data;
 }
 
 }  // namespace tactbench::bench

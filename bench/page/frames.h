@@ -1,4 +1,4 @@
-// Frames of the run that the page displays: the most recent image, also as pressures where the sensor has models.
+// Frames of the run that the page displays: the most recent image, also as pressures if the sensor has models.
 #pragma once
 
 #include <cstdint>
@@ -14,10 +14,10 @@
 
 namespace tactbench::bench {
 
-// Models of the same sensor, from the newest earlier run that has some, and the frames of this run through them.
+// Compensates the frames of this run by the models of the same sensor from its newest earlier run that has models.
 class CompensatedRun {
  public:
-  // None: no earlier run of the sensor has models that stream. Throws StoreError.
+  // None: no earlier run of the sensor has models that can compensate frames. Throws StoreError.
   static std::unique_ptr<CompensatedRun> of(const db::RunStore& store, const db::RunRecord& run);
   void see(const db::StoredFrame& frame, const std::vector<double>& volts);
   [[nodiscard]] const std::vector<float>& pressure_psi() const { return pressure_; }
@@ -38,11 +38,11 @@ class RunFrames {
  public:
   // Throws StoreError.
   RunFrames(const db::RunStore& store, const db::RunRecord& run);
-  // True: there is a newer picture than at the last call. Reads a bounded number of frames a call.
+  // True: there is a newer picture than at the last call. Reads a bounded number of frames per call.
   bool advance();
   [[nodiscard]] std::int64_t position() const { return position_; }
-  // The picture for the page, the newest or, where there is one, that at the highest load: `volts` row-major, and `psi`
-  // where models are there. Null before the first frame and the seating check.
+  // The picture for the page, the newest or the one at the highest load: `volts` row-major, and `psi` if there are
+  // models. Null before the first frame and the seating check.
   [[nodiscard]] nlohmann::json picture(bool at_peak = false) const;
 
  private:
@@ -60,13 +60,12 @@ class RunFrames {
     std::vector<std::uint16_t> status;
   };
   std::optional<Seen> newest_, peak_;
-  std::optional<ArrayView> seated_;  // of the seating check, before the first frame
+  std::optional<ArrayView> seated_;  // image of the seating check, before the first frame
 };
 
-// Samples for a loop: of one taxel, or the array's mean for taxel -1, behind frame `after`, without void branches; x in
-// psi, or in N for frames taken under an object, `set` wanted; y in volts; t in s. Of one quantity, the newest frame's;
-// at most the newest few thousand. `taxel` outside the
-// array: no points.
+// Samples for a loop: of one taxel, or the array's mean for taxel -1, after frame `after`, without void branches; x in
+// psi, or in N for frames measured under an object; `set`: set-point; y in volts; t in s. Only frames with the same
+// quantity as the newest; at most the newest few thousand. A `taxel` outside the array gives no points.
 nlohmann::json loop_points(const db::RunStore& store, std::int64_t run, int taxel, std::int64_t after);
 
 }  // namespace tactbench::bench

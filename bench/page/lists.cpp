@@ -17,7 +17,8 @@ using nlohmann::ordered_json;
 namespace {
 
 std::string decided_text(const analysis::JudgedFigure& figure) {
-  if (figure.run == figure.model_run) return "judged on the models' own run alone: a held-out run is needed";
+  if (figure.run == figure.model_run)
+    return "judged only on the run from which the models were made: a held-out run is needed";
   constexpr auto kPsi = analysis::PressureUnit::kPsi;
   using Kind = analysis::Scope::Kind;
   return fmt::format("{}{}{}{}: {}, limit {}, on run {}",

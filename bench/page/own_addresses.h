@@ -1,4 +1,4 @@
-// By which addresses other machines reach this one.
+// The addresses at which other machines reach this one.
 #pragma once
 
 #include <string>
@@ -6,8 +6,8 @@
 
 namespace tactbench::bench {
 
-// Of the interfaces that are up, in the system's order, each once: "192.0.2.7", with `v6` also "2001:db8::7". Loopback
-// and link-local addresses, which lead nowhere from elsewhere, are left out. Empty where the system names none.
+// Addresses of the interfaces that are up, in the system's order, each once: "192.0.2.7", with `v6` also "2001:db8::7".
+// Loopback and link-local addresses, which other machines cannot reach, are left out. Empty if there are none.
 std::vector<std::string> own_addresses(bool v6);
 
 }  // namespace tactbench::bench

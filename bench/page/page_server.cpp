@@ -28,9 +28,9 @@ enum EventKind { kReadings, kState, kPicture };
 
 constexpr std::chrono::milliseconds kTick{100}, kStateAtMost{250}, kStateAtLeast{1000};
 constexpr std::chrono::milliseconds kLookForRuns{250};
-constexpr std::chrono::seconds kLeftAlone{60};  // beside a process that has ended
+constexpr std::chrono::seconds kLeftAlone{60};  // after the process has ended
 
-// Of any address those of the machine, loopback first.
+// If it listens on all addresses: those of the machine, loopback first.
 std::vector<std::string> addresses_in_links(const HttpOptions& http) {
   std::vector<std::string> addresses = {http.address};
   if (http.address == "0.0.0.0" || http.address == "::") {
@@ -76,8 +76,8 @@ struct PageServer::Parts {
       const RunStatus& status = live()->status;
       const std::string now = fmt::format("{} {} {} {}", status.run, to_string(status.state), status.question_id,
                                           status.answer ? status.answer->question : 0);
-      state_due = state_due || now != told;
-      told = now;
+      state_due = state_due || now != message;
+      message = now;
     } else {
       state_due = true;
     }
@@ -106,7 +106,7 @@ struct PageServer::Parts {
     server.publish(kState, event_text("state", show.state(live(), follower.silent_s())));
   }
 
-  // What a new viewer gets at once: who it is, and all as it stands.
+  // The first event of a new viewer: its rights, and the present state.
   SharedText greeting(const HttpRequest& request) {
     const nlohmann::json hello = {{"operator", may_command(request, access) ? access.operator_name : ""},
                                   {"commands", !access.command_token.empty()},
@@ -122,7 +122,7 @@ struct PageServer::Parts {
     const std::optional<PageNeeds> needs = needs_of(request.path);
     if (std::optional<HttpResponse> refused = refusal(request, needs.value_or(PageNeeds::kNothing), access))
       return reply(guarded(*std::move(refused)));
-    if (!needs) return reply(guarded(text_response(404, "there is no such place\n")));
+    if (!needs) return reply(guarded(text_response(404, "there is no such path\n")));
     try {
       route(request, [reply](HttpResponse response) { reply(guarded(std::move(response))); });
     } catch (const std::exception& error) {
@@ -137,7 +137,8 @@ struct PageServer::Parts {
     if (request.path == "/command") return command(request, reply);
     if (request.path.starts_with(kDocumentPath)) {
       const std::optional<std::string> text = documents.text(request.path.substr(std::string(kDocumentPath).size()));
-      return reply(text ? document_response(*text) : text_response(404, "this document is gone: ask for it again\n"));
+      return reply(text ? document_response(*text)
+                        : text_response(404, "this document no longer exists: request it again\n"));
     }
     std::string why;
     const db::RunStore* store = show.store(&why);
@@ -190,7 +191,7 @@ struct PageServer::Parts {
   }
 
   const PageOptions options;
-  const std::vector<std::string> addresses;  // as they stand in links
+  const std::vector<std::string> addresses;  // as they appear in links
   PageAccess access;
   HttpServer server;
   DisplayedRun show;
@@ -198,7 +199,7 @@ struct PageServer::Parts {
   Commands commands;
   RunFollower follower;
   std::function<bool()> ended;
-  std::string told;
+  std::string message;
   bool state_due = true;
   std::chrono::steady_clock::time_point state_sent_at{}, looked{};
 };

@@ -1,4 +1,4 @@
-// Web page for monitoring a bench: an HTTP server in a process of its own. It reads the store, follows the live run
+// Web page for monitoring a bench: an HTTP server in a separate process. It reads the store, follows the live run
 // through its control socket, and passes on the operator's commands; it holds no instrument and no lock.
 #pragma once
 
@@ -17,13 +17,14 @@ namespace tactbench::bench {
 
 struct PageOptions {
   std::string db = "runs.db";
-  std::string bench;          // id; empty: any whose run writes to the store
+  std::string bench;          // id; empty: any bench whose run writes to the store
   std::string operator_name;  // empty: nobody may command
   std::string night;          // a page that `nightly --html` wrote; empty: none
   analysis::Laboratory laboratory;
   std::vector<std::string> names;  // further names of this server that a browser may use, without the port
   HttpOptions http;
-  std::int64_t beside = 0;  // a process; 0: none. Once it has ended and nobody looks any more, serve() returns.
+  std::int64_t beside =
+      0;  // a process; 0: none. serve() returns once that process has ended and nobody views the page any more.
 };
 
 class PageServer {
@@ -36,13 +37,13 @@ class PageServer {
 
   [[nodiscard]] const PageAccess& access() const;
   [[nodiscard]] std::uint16_t port() const;
-  // With the tokens in their ends, which a browser does not send: for the operator, and for who only reads. One an
-  // address, that of this machine first; where it listens on any address also those that other machines can type.
+  // Links with the tokens in the fragment, which a browser does not send: for the operator, and for readers. One per
+  // address, that of this machine first; if the server listens on all addresses, also those of the network interfaces.
   [[nodiscard]] std::vector<std::string> links() const;
   [[nodiscard]] std::vector<std::string> readers_links() const;
   [[nodiscard]] std::string link() const { return links().front(); }
   [[nodiscard]] std::string readers_link() const { return readers_links().front(); }
-  // Serves until `ended` returns true, asked a few times a second, or stop().
+  // Serves until `ended` returns true, asked a few times per second, or stop().
   void serve(const std::function<bool()>& ended);
   void stop();  // from any thread
 

@@ -23,11 +23,11 @@ constexpr std::array<std::string_view, 9> kReadPlaces = {"/events",      "/loop"
                                                          "/sensors",     "/make/report", "/make/compare",
                                                          "/make/sensor", "/make/nights", "/make/night"};
 
-// The page runs its own script and style alone, talks to this server alone, and nobody frames it.
+// The page runs only its own script and style, connects only to this server, and cannot be framed.
 constexpr const char* kPagePolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; connect-src 'self'; frame-src 'self'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
-// A document brings its style in itself; it has no script and talks to nobody.
+// A document contains its style; it has no script and makes no connections.
 constexpr const char* kDocumentPolicy =
     "default-src 'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'; "
     "frame-ancestors 'self'; sandbox allow-popups";

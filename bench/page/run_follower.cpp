@@ -8,7 +8,8 @@ namespace tactbench::bench {
 namespace {
 
 constexpr std::chrono::seconds kAskForeignAgain{5};
-constexpr std::chrono::seconds kFirstAnswer{5};  // a bench that tells nothing for so long is let go for the next one
+constexpr std::chrono::seconds kFirstAnswer{
+    5};  // a bench that sends nothing for so long is dropped in favour of the next one
 
 bool same_file(const std::string& one, const std::string& other) {
   std::error_code ignored;
@@ -60,7 +61,7 @@ void RunFollower::receive() {
   if (!connection_) return;
   std::optional<LiveRun> newest = connection_->newest();
   if (newest && newest->denied) return let_go(false);
-  if (newest && newest->status.store != our_store_) {  // asked of the file system once, not at each of its messages
+  if (newest && newest->status.store != our_store_) {  // the file system is queried once, not at each message
     if (!same_file(newest->status.store, db_)) return let_go(false);
     our_store_ = newest->status.store;
   }

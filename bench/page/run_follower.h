@@ -16,13 +16,13 @@ namespace tactbench::bench {
 
 class RunFollower {
  public:
-  // `bench`: its id; empty: any bench whose run writes to the store `db`. `heard`: called with each status that comes,
-  // and with none once the run has hung up. `server` must outlive this.
+  // `bench`: its id; empty: any bench whose run writes to the store `db`. `heard`: called with each status received,
+  // and with none once the run has closed the connection. `server` must outlive this.
   RunFollower(HttpServer& server, std::string db, std::string bench, std::function<void()> heard);
-  void look();  // for a run, when none is followed; to be called a few times a second
+  void look();  // looks for a run if none is followed; to be called a few times per second
   // The newest status; none: no run is followed.
   [[nodiscard]] const std::optional<LiveRun>& live() const { return live_; }
-  [[nodiscard]] double silent_s() const;  // since the last status; a run tells one twice a second
+  [[nodiscard]] double silent_s() const;  // since the last status; a run sends one twice a second
 
  private:
   using RealClock = std::chrono::steady_clock;
@@ -34,12 +34,12 @@ class RunFollower {
   std::function<void()> heard_;
   std::unique_ptr<RunConnection> connection_;
   std::shared_ptr<void> watching_;
-  std::string name_;       // of the bench connected to
-  std::string our_store_;  // as the run on the connection names it; empty: not compared yet
+  std::string name_;       // name of the connected bench
+  std::string our_store_;  // the store's path in the run's status; empty: not compared yet
   std::optional<LiveRun> live_;
   RealClock::time_point last_{};
   std::map<std::string, RealClock::time_point>
-      foreign_;  // benches of other stores or of strangers, and when they were asked
+      foreign_;  // benches with other stores or of untrusted users, and when they were queried
 };
 
 }  // namespace tactbench::bench

@@ -24,13 +24,13 @@ using LayerLines = std::vector<std::string>;
 
 std::string relieved(const BenchConfig& config) {
   return config.regulator.relief.empty() ? "use the relief valve"
-                                         : config.regulator.relief + " has to relieve the chamber";
+                                         : config.regulator.relief + " must relieve the chamber";
 }
 
 std::string shown_at_0_v(const char* name, const devices::LinearSpan& span, const TrueRange& range, PressureUnit unit) {
   const double psi = span.pressure(devices::Volts(0.0)).value();
   return fmt::format("{} reads {}, which {}", name, unit.text(psi, 1),
-                     range.holds(psi) ? "an empty chamber reads as well" : "cannot be true and is noticed");
+                     range.holds(psi) ? "looks like an empty chamber" : "cannot be true and is noticed");
 }
 
 // How the transducer on a module shows a supply that fails, or a wire that breaks; empty: there is none.
@@ -64,7 +64,7 @@ std::string when_module_is_lost(const BenchConfig& config, PressureUnit unit) {
   }
   const std::string watchdog = fmt::format("its watchdog ({:g} ms) sets 0 V, which is {}", 1000.0 * config.watchdog_s,
                                            unit.text(zero_volt_psi(config), 1));
-  return zero_volt_vents(config) ? watchdog : watchdog + " and no vent; " + relieved(config);
+  return zero_volt_vents(config) ? watchdog : watchdog + " and does not vent; " + relieved(config);
 }
 
 LayerLines module_layers(const BenchConfig& config, PressureUnit unit) {
@@ -134,10 +134,10 @@ LayerLines serial_layers(const BenchConfig& config, PressureUnit unit) {
                   (reference.empty() ? "" : "; at 0 V " + reference));
   lines.push_back(fmt::format("WARNING: {} without power shuts its valves and may keep the pressure; {}",
                               config.regulator.model, relieved(config)));
-  lines.push_back(fmt::format(
-      "WARNING: {} has no watchdog: if its line breaks, or all programs die, it keeps its last set-point; {}, and an "
-      "emergency stop; the dead-man has no other way to it than this line",
-      config.regulator.model, relieved(config)));
+  lines.push_back(
+      fmt::format("WARNING: {} has no watchdog: if its line breaks, or all programs die, it keeps its last set-point; "
+                  "{}, and an emergency stop; the dead-man can reach it only over this line",
+                  config.regulator.model, relieved(config)));
   return lines;
 }
 

@@ -1,6 +1,5 @@
-// The registry of pressure sources: what [regulator] kind = "..." names, one row a kind. A further kind is a driver,
-// its codec and its simulated end in devices/pressure, its keys in a row of bench/config/config_pressure.cpp, and a row
-// here.
+// The registry of pressure sources: one row per value of [regulator] kind. To add a kind: write a driver, its codec and
+// its simulated end in devices/pressure, its keys in a row of bench/config/config_pressure.cpp, and a row here.
 #pragma once
 
 #include <memory>
@@ -18,15 +17,16 @@ class AnalogModule;
 namespace tactbench::bench {
 
 struct PressureKind {
-  // `output` and `input` are the modules of the bench; null: none. Talks to nothing yet. Throws Fault.
+  // `output` and `input` are the modules of the bench; null: none. Does not communicate yet. Throws Fault.
   std::unique_ptr<devices::PressureSource> (*make)(const BenchConfig& config, devices::AnalogModule* output,
                                                    devices::AnalogModule* input, devices::Clock& clock);
   Serve serve;                                       // null: the modules are its simulated end
   double (*highest_psi)(const BenchConfig& config);  // that it can be set to
   double (*step_psi)(const BenchConfig& config);     // between two neighbouring set-points
-  // What makes the chamber safe without the program, and what does not, one line a layer, fastest first.
+  // Protection layers that make the chamber safe without the program, and those that do not, one line per layer,
+  // fastest first.
   std::vector<std::string> (*layers)(const BenchConfig& config, analysis::PressureUnit unit);
-  // What becomes of the set-point when nothing reaches it any more: "its watchdog (1000 ms) sets 0 V, ...".
+  // What happens to the set-point when communication is lost: "its watchdog (1000 ms) sets 0 V, ...".
   std::string (*when_lost)(const BenchConfig& config, analysis::PressureUnit unit);
 };
 

@@ -13,13 +13,13 @@
 
 namespace tactbench::bench {
 
-// Build and class of processor of this program, stored with each fit: where both are equal, recomputed results have the
-// same bits. A modified build is marked, since two modified builds may differ.
+// Build of this program and class of processor, stored with each fit: if both are equal, recomputed results are equal
+// bit for bit. A modified build is marked, because two modified builds may differ.
 std::string this_build();
 
 // Stores the models and this program's build. Returns the fit's number.
 std::int64_t keep_fit(db::RunStore& store, const analysis::SensorModel& fit);
-// Fits ELAM to all taxels of a run's dataset and stores the models: what nights and checks of the rig are charted by.
+// Fits ELAM to all taxels of a run's dataset and stores the models, for the control charts of nights and rig checks.
 analysis::SensorModel fit_run(db::RunStore& store, const analysis::Dataset& dataset);
 // The same with the dynamic model of that one run.
 analysis::SensorModel fit_run_dynamic(db::RunStore& store, analysis::Runs& runs, std::int64_t run);
@@ -34,19 +34,19 @@ std::vector<NamedEvaluation> evaluate_runs(analysis::Runs& runs, const analysis:
 std::string record_sensor_trend(db::RunStore& store, const db::RunRecord& run, const analysis::SensorModel& fit,
                                 const analysis::Evaluation& own);
 
-// The figures of a stored fit that may stand for its run, of ELAM or the dynamic model; of others none.
+// The figures of a stored fit of ELAM or the dynamic model, which may represent its run; other models have none.
 void record_fit_trend(db::RunStore& store, const analysis::SensorModel& fit, const analysis::Evaluation& own);
 
-// A report's input on `run`: models and figures where there are any, verdicts, everything else that is stored.
-// `evaluations` is empty, or its first is the run's own and the others are held out. `extras` null: without model
-// comparison, further studies and uncertainty, which take most of the time. With studies in the budgets the evidence of
-// `judged` is judged again.
+// A report's input about `run`: models and figures if there are any, verdicts, and everything else stored.
+// `evaluations` is empty, or the first is of the run itself and the others are of held-out runs. `extras` null: without
+// model comparison, further studies and uncertainty, which take most of the time. With studies in the budgets the
+// evidence of `judged` is judged again.
 analysis::ReportInput report_input(analysis::Runs& runs, std::int64_t run, const analysis::SensorModel& fit,
                                    const std::vector<NamedEvaluation>& evaluations, const JudgementRecord& judged,
                                    const std::vector<std::int64_t>& further = {}, const ReportExtras* extras = nullptr);
 
 // Renders the report of `evaluations` (the first is the fit's own run) into `path`, or reports/run-N.html next to the
-// store. `replace`: a file of another kind (output_file.h). Returns the path.
+// store. `replace`: also a file of another kind (output_file.h). Returns the path.
 std::string write_report(analysis::Runs& runs, const analysis::SensorModel& fit,
                          const std::vector<NamedEvaluation>& evaluations, const JudgementRecord& judged,
                          std::string path, std::string* number, const ReportExtras& extras = {}, bool replace = false);

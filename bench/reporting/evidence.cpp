@@ -49,7 +49,7 @@ std::optional<double> dwell_of(const db::RunRecord& run) {
   return dwells.empty() ? std::nullopt : std::optional(analysis::mean_of(dwells));
 }
 
-// What a run shows beside that of the models.
+// Conditions in which a run differs from the run of the models.
 void find_changed_conditions(analysis::Runs& runs, const analysis::SensorModel& fit, EvidenceRun& judged) {
   const db::RunRecord &models = runs.record(fit.run), &run = runs.record(judged.run);
   const analysis::Dataset &fitted = runs.dataset(fit.run), &dataset = runs.dataset(judged.run);
@@ -95,7 +95,7 @@ StoredVerdicts stored_verdicts(analysis::Runs& runs, const analysis::SensorModel
       stored.figures.push_back(analysis::figure_of(verdict));
       continue;
     }
-    if (is_among(sources, verdict.run)) continue;  // no independent data
+    if (is_among(sources, verdict.run)) continue;  // not independent data
     const db::RunRecord& run = runs.record(verdict.run);
     if (void_too || !run.is_void()) {
       stored.figures.push_back(analysis::figure_of(verdict));
@@ -123,7 +123,7 @@ analysis::Evidence gather_evidence(analysis::Runs& runs, const analysis::SensorM
   evidence.void_too = void_too;
   evidence.stored = stored.figures;
   evidence.lost = stored.lost;
-  // What one dwell tells of creep is no evidence of longer holds.
+  // Creep from a single dwell is not evidence for longer holds.
   if (fit.dynamics && fit.dynamics->creep.run != 0) evidence.studied.insert(Source::kCreep);
   if (evaluations.empty()) return evidence;
   const std::vector<std::int64_t> sources = source_runs(runs.store(), fit);
@@ -193,8 +193,9 @@ std::vector<db::RunRecord> named_runs(analysis::Runs& runs, const std::vector<st
     const std::string why = display_text(analysis::void_of(record));
     if (!void_too || !named.void_can_be_used)
       throw Error("TB-RUN-VOID", why, named.at,
-                  named.void_can_be_used ? "name another run, or add --void-too: the results are then marked"
-                                         : "name another run: a void run cannot be accepted");
+                  named.void_can_be_used
+                      ? "name another run, or add --void-too: the results are then marked as from void runs"
+                      : "name another run: a void run cannot be accepted");
     tty::print(stderr, "warning: {}; used because of --void-too\n", why);
   }
   return records;

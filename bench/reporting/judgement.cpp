@@ -23,8 +23,8 @@ using analysis::JudgedFigure;
 using analysis::Judgement;
 using analysis::Verdict;
 
-// What the models of a stored verdict rest on beside its model_run: only a dynamic model has more. Models that can no
-// longer be read are not asked: `verify` reports them.
+// Source runs of a stored verdict's models in addition to its model_run: only a dynamic model has more. Unreadable
+// models are skipped: `verify` reports them.
 std::vector<std::int64_t> further_sources(const db::RunStore& store, std::int64_t fit) {
   if (fit == 0) return {};
   const db::FitRecord record = store.fit(fit);

@@ -1,4 +1,4 @@
-// The evaluation of one run, with the title under which it is shown.
+// The evaluation of one run with its title.
 #pragma once
 
 #include <string>

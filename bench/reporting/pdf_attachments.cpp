@@ -65,7 +65,7 @@ class Pdf {
     throw Error(
         "TB-REPORT-PDF",
         fmt::format("the data cannot be attached: {}", qpdf_get_error_full_text(data(), qpdf_get_error(data()))),
-        "--format pdf", "take the other program (--pdf-with)");
+        "--format pdf", "use the other program (--pdf-with)");
   }
 
  private:
@@ -80,7 +80,7 @@ class Pdf {
 std::string with_attachments(const std::string& pdf, std::vector<PdfAttachment> attachments) {
   const Pdf document(pdf);
   const qpdf_data data = document.data();
-  std::ranges::sort(attachments, {}, &PdfAttachment::name);  // as a name tree asks
+  std::ranges::sort(attachments, {}, &PdfAttachment::name);  // as a name tree requires
   const qpdf_oh tree = qpdf_oh_new_array(data), associated = qpdf_oh_new_array(data), root = qpdf_get_root(data);
   for (const PdfAttachment& own : attachments) {
     const qpdf_oh file = document.file(own);

@@ -68,8 +68,8 @@ analysis::TemperatureEffect temperature_of(analysis::Runs& runs, const analysis:
   return effect;
 }
 
-// A held-out run is evidence for the one state that sets it apart from the calibration. A run of another day may be
-// warmer, too: that is what another day brings. One that was mounted anew in another state is evidence for neither.
+// A held-out run is evidence for the one difference between its state and the calibration's. A run on another day may
+// also be warmer, which is normal. A re-mounted run in another state is evidence for neither.
 void add_history_run(const db::RunRecord& calibration_record, const db::RunRecord& record,
                      const analysis::Dataset& calibration, const analysis::Dataset& run, analysis::HistoryRuns& out) {
   const bool warm = temperature_differs(calibration_record, record, calibration, run);
@@ -108,7 +108,7 @@ void add_mounts(const analysis::Remount& found, analysis::UncertaintyInputs& inp
   if (!found.assessed()) return;
   const auto between_two = [](double share, int degrees) {
     return analysis::GivenUncertainty{0.0, std::numbers::sqrt2 * share, double(degrees),
-                                      "runs of the sensor mounted anew"};
+                                      "runs of the re-mounted sensor"};
   };
   inputs.mounting = between_two(found.common_share, found.degrees);
   inputs.mounting_per_taxel = between_two(found.per_taxel_share, found.per_taxel_degrees);
@@ -147,7 +147,7 @@ StateChange state_change(const db::RunRecord& run, const db::RunRecord& other) {
     change.*what = true;
     if (change.words.empty()) change.words = words;
   };
-  // For a simulated sensor the configuration holds what a person would know.
+  // For a simulated sensor the configuration states these facts.
   const std::optional<BenchConfig> ours = stored_bench(run), theirs = stored_bench(other);
   if (!ours || !theirs || !ours->simulation || !theirs->simulation) {
     add(&StateChange::unknown, "its bench file, which states mount and age, can no longer be read");
@@ -162,7 +162,7 @@ StateChange state_change(const db::RunRecord& run, const db::RunRecord& other) {
             : fmt::format("the sensor's age differs by {:g} months", std::abs(a.age_months - b.age_months)));
   if (a.mount_seed != b.mount_seed || a.mount_turn != b.mount_turn || a.edge_outside_lines != b.edge_outside_lines ||
       a.edge_outside != b.edge_outside)
-    add(&StateChange::mounted, "the sensor was mounted anew");
+    add(&StateChange::mounted, "the sensor was re-mounted");
   return change;
 }
 

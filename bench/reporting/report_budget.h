@@ -12,30 +12,32 @@
 
 namespace tactbench::bench {
 
-// `input` has run, fit and studies already. `further`: runs after the report's; `studies`: words of --studies, of which
+// `input` already has run, fit and studies. `further`: other runs than the report's; `studies`: arguments of --studies;
 // only runs without a typed role count for creep and temperature.
 analysis::UncertaintyInputs budget_inputs(analysis::Runs& runs, const analysis::ReportInput& input,
                                           const std::vector<std::int64_t>& further,
                                           const std::vector<std::string>& studies);
 
-// Held-out runs by the state that sets them apart from the calibration; runs under an indenter left out.
+// Held-out runs grouped by the difference between their conditions and the calibration's; runs under an indenter are
+// left out.
 analysis::HistoryRuns held_out_histories(analysis::Runs& runs, std::int64_t calibration,
                                          const std::vector<std::int64_t>& held_out);
 
 // Adds the budget rows of re-mounting, common to all taxels and per taxel: the sensor is calibrated in one mount and
 // used in another, so that a reading errs by the difference of two mounts, sqrt(2) times the variation of one mount.
-// Adds nothing where mounts were not assessed.
+// Adds nothing if mounts were not assessed.
 void add_mounts(const analysis::Remount& found, analysis::UncertaintyInputs& inputs);
 
 struct StateChange {
-  bool later = false, mounted = false, unknown = false;  // another day or age; mounted again; cannot be determined
-  std::string words;                                     // the first of them; empty: none
+  bool later = false, mounted = false,
+       unknown = false;  // later: another day or age; mounted: mounted again; unknown: cannot be determined
+  std::string words;     // the first of these differences as text; empty: none
   [[nodiscard]] bool any() const { return !words.empty(); }
 };
 StateChange state_change(const db::RunRecord& run, const db::RunRecord& other);
 
-// Other differences between two runs besides temperature, as far as the store knows: more than a day between them, or,
-// for a simulated sensor, age and mount. Empty: none.
+// Other differences between two runs besides temperature, as far as recorded in the store: more than a day between
+// them, or, for a simulated sensor, age and mount. Empty: none.
 std::string other_state(const db::RunRecord& run, const db::RunRecord& other);
 
 // Whether two runs differ in temperature, by their thermometers or, for a simulated sensor, by its configuration.

@@ -57,7 +57,7 @@ PdfProgram find_pdf_program(const std::string& wanted) {
   if (wanted != "chromium") {
     if (const std::string path = in_path("weasyprint"); !path.empty()) return {path, false};
   }
-  pdf_failed(fmt::format("no program that prints HTML as PDF is installed{}{}", wanted.empty() ? "" : ": ", wanted),
+  pdf_failed(fmt::format("no program that converts HTML to PDF is installed{}{}", wanted.empty() ? "" : ": ", wanted),
              "--format pdf",
              "apt-get install chromium (or weasyprint), or write --format html and print it from a browser");
 }
@@ -144,7 +144,7 @@ std::string write_pdf(const PdfRequest& request) {
     std::string output = file_text(folder / "log");
     if (output.size() > 500) output = output.substr(output.size() - 500);
     pdf_failed(fmt::format("{} made no PDF: {}", program.path, output.empty() ? "it printed nothing" : output),
-               "--format pdf", "print the HTML (--format html) from a browser, or take the other program (--pdf-with)");
+               "--format pdf", "print the HTML (--format html) from a browser, or use the other program (--pdf-with)");
   }
   for (const char* field : {"/CreationDate", "/ModDate"}) set_pdf_date(pdf, field, request.date_utc);
   write_output(request.path, request.attachments.empty() ? pdf : with_attachments(pdf, request.attachments),

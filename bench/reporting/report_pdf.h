@@ -11,14 +11,14 @@ namespace tactbench::bench {
 struct PdfRequest {
   std::string html;
   std::vector<PdfAttachment> attachments;
-  std::string path;      // of the PDF; written whole
-  std::string program;   // chromium | weasyprint; empty: the first of them that is there
-  std::string date_utc;  // for the document's dates: the same report is the same bytes
-  std::string run_uuid;  // in the document's title: nothing else of a PDF can be read without a PDF's reader
-  bool replace = false;  // a file of another kind (output_file.h)
+  std::string path;      // path of the PDF, which is written atomically
+  std::string program;   // chromium | weasyprint; empty: the first that is installed
+  std::string date_utc;  // for the document's dates, so that the same report gives the same bytes
+  std::string run_uuid;  // part of the document's title, which can be found without a PDF reader
+  bool replace = false;  // also replaces a file of another kind (output_file.h)
 };
 
-// Runs the program in a new folder of its own and waits 120 s at most. Returns the program used. Throws Error
+// Runs the program in a new temporary folder and waits at most 120 s. Returns the program used. Throws Error
 // TB-REPORT-PDF (names the packages when none is installed; includes the program's message when it failed).
 std::string write_pdf(const PdfRequest& request);
 

@@ -45,9 +45,9 @@ analysis::ArrayGeometry geometry_of(const db::RunRecord& run) {
 
 [[noreturn]] void refuse_own(const StudyRun& study) {
   throw Error("TB-REPORT-STUDY",
-              fmt::format("run {} is the report's own, which the others are held against", study.run),
+              fmt::format("run {} is the run of the report, with which the others are compared", study.run),
               fmt::format("--studies {}{}{}", study.run, study.role.empty() ? "" : ":", study.role),
-              "name the further runs only");
+              "name only the further runs");
 }
 
 class StudyGatherer {
@@ -75,13 +75,12 @@ class StudyGatherer {
     // Plain loops at another temperature serve the temperature study.
     if (analysis::at_another_temperature(runs_.temperatures_c(input_.run.run), runs_.temperatures_c(study.run))) return;
     if (own) refuse_own(study);
-    throw Error(
-        "TB-REPORT-STUDY", fmt::format("run {} holds plain loops, whose purpose is not recorded", study.run),
-        fmt::format("--studies {}", study.run),
-        fmt::format("{0}:mount when the sensor was mounted anew, {0}:90 when it was turned in the chamber by 90 "
-                    "degrees counter-clockwise; a run at another temperature is known by its thermometer's readings, "
-                    "{1:g} K or more from run {2}'s; to see models on another run: --held-out {0}",
-                    study.run, analysis::kOtherTemperatureK, input_.run.run));
+    throw Error("TB-REPORT-STUDY", fmt::format("run {} has plain loops, whose purpose is not recorded", study.run),
+                fmt::format("--studies {}", study.run),
+                fmt::format("{0}:mount if the sensor was re-mounted, {0}:90 if it was turned in the chamber by 90 "
+                            "degrees counter-clockwise; a run at another temperature is recognised by its thermometer, "
+                            "{1:g} K or more from run {2}; to check models on another run: --held-out {0}",
+                            study.run, analysis::kOtherTemperatureK, input_.run.run));
   }
 
   bool take_presses(const db::RunRecord& record) {
@@ -131,7 +130,7 @@ class StudyGatherer {
   }
 
  private:
-  // A run that has plain loops beside others, as `production` has, is one of loops.
+  // A run with plain loops and other recipes, such as `production`, counts as a run of loops.
   static StudyPurpose purpose_of(const db::RunRecord& record) {
     bool plain = record.sequences.empty();
     for (const db::SequenceRecord& sequence : record.sequences) {
@@ -172,12 +171,12 @@ std::vector<StudyRun> study_runs_of(const std::vector<std::string>& words) {
     const bool is_number = error == std::errc() && end == number.data() + number.size() && !number.empty();
     const bool is_role = colon == std::string::npos || std::ranges::find(kStudyRoles, study.role) != kStudyRoles.end();
     if (!is_number || !is_role)
-      throw Error("TB-USAGE", fmt::format("'{}' is no run with a role", word), "--studies",
+      throw Error("TB-USAGE", fmt::format("'{}' is not a run with a role", word), "--studies",
                   "RUN, RUN:mount, RUN:0, RUN:90, RUN:180 or RUN:270");
     const auto same = [&](const StudyRun& other) { return other.run == study.run && other.role == study.role; };
     if (std::ranges::any_of(out, same))
       throw Error("TB-USAGE", fmt::format("'{}' is named twice", word), "--studies",
-                  "each run once: one counted twice would seem to repeat itself");
+                  "name each run once: counted twice, it would look like a repetition");
     out.push_back(std::move(study));
   }
   return out;
@@ -188,7 +187,7 @@ void add_results(analysis::ReportInput& input, analysis::Runs& runs, const Repor
   const bool evaluated = !input.evaluation.levels.empty();  // a run under an object has no full loop
   if (input.fit.taxels.empty() || (!evaluated && !extras.previous.empty())) {
     if (studies.empty() && extras.previous.empty()) return;
-    throw Error("TB-REPORT-STUDY", "studies and earlier models need models of the report's own run",
+    throw Error("TB-REPORT-STUDY", "studies and earlier models need models of the report's run",
                 fmt::format("run {}", input.run.run), fmt::format("fit it first: tactbench fit {}", input.run.run));
   }
   std::optional<analysis::SensorModel> previous;
@@ -205,7 +204,7 @@ namespace {
 
 bool passed(const db::RunStore& store, std::int64_t run) { return analysis::passes(standing(store, run).verdict); }
 
-// The newest run of the sensor before `run` on which, or on whose models, a passing verdict stands; empty: none.
+// The start of the sensor's newest run before `run` with a passing verdict on it or its models; empty: none.
 std::string last_pass_utc(const db::RunStore& store, const db::RunRecord& run) {
   std::string last;
   for (const db::RunRecord& other : store.runs({.sensor_serial = run.sensor_serial}))

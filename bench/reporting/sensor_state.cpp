@@ -18,7 +18,7 @@ namespace {
 
 using analysis::doc::number_with_u;
 
-// Whose frames can be read, and were measured to the end.
+// Whether the run completed and its frames can be read.
 bool can_be_checked(const db::RunStore& store, const db::RunRecord& run) {
   return run.outcome == db::Outcome::kCompleted && !store.pruned(run.run);
 }
@@ -67,13 +67,13 @@ std::string no_drift_text(const SensorState& state) {
   return state.runs.empty() ? "not measured" : "not known: no later run to check models on";
 }
 
-// What moved, and the command that puts it right; where it was calibrated since, by which run.
+// The part that moved and the command that corrects it; or the run of a later calibration.
 std::string advice_text(const SensorState& state) {
   const SensorDrift& found = *state.drift;
   const analysis::DriftVerdict verdict = found.drift.verdict;
   std::string way = "tactbench calibrate " + state.runs.back().sensor_serial;
   if (const std::int64_t newest = state.verdict ? state.verdict->models_run() : 0; newest > found.model_run)
-    way = fmt::format("models made anew since, of run {}", newest);
+    way = fmt::format("new models made since, from run {}", newest);
   else if (verdict != analysis::DriftVerdict::kRecalibrate)
     way = fmt::format("tactbench model adjust {} {} --{} -o adjusted.json", found.model_run, found.run,
                       verdict == analysis::DriftVerdict::kZero ? "zero" : "gain");

@@ -47,7 +47,7 @@ constexpr std::size_t kLongestHint = 100;                                     //
 // Keys, certificates and passwords may come from a pipe.
 std::string text_of_file(const std::string& path, std::size_t max_bytes = kLargestKey) {
   return analysis::read_whole_file(path, {.max_bytes = max_bytes, .or_pipe = max_bytes == kLargestKey}, "TB-REPORT-KEY",
-                                   "name a file that is there and can be read");
+                                   "name an existing file that can be read");
 }
 
 Bio bytes_of(const std::string& text) { return Bio(BIO_new_mem_buf(text.data(), static_cast<int>(text.size()))); }
@@ -144,7 +144,7 @@ Store roots_from(const std::string& path) {
   while (const Certificate root{PEM_read_bio_X509(in.get(), nullptr, nullptr, nullptr)})
     any = X509_STORE_add_cert(store.get(), root.get()) == 1 || any;
   ERR_clear_error();  // the end of the file
-  if (!any) refuse("it holds no certificate in PEM", path);
+  if (!any) refuse("it contains no certificate in PEM", path);
   return store;
 }
 
@@ -166,42 +166,41 @@ SignatureFinding damaged(const std::string& why) {
   return finding("damaged", "DAMAGED: the signature itself " + why, ExitCode::kCriterionFailed);
 }
 
-// What its bytes say, where they are not those that were signed.
+// Classifies bytes that differ from the signed ones.
 SignatureFinding other_bytes(const std::string& content, const Hint& hint, const ASN1_STRING* digest,
                              const EVP_MD* how) {
   const std::string signed_file =
       hint.number.empty() ? "another file" : fmt::format("{} of report {}", hint.kind, hint.number);
   if (hint.bytes > 0 && content.size() > hint.bytes &&
       has_digest(digest, how, std::string_view(content).substr(0, hint.bytes)))
-    return finding(
-        "appended",
-        fmt::format("APPENDED: {} bytes were added after those that were signed", content.size() - hint.bytes),
-        ExitCode::kCriterionFailed);
+    return finding("appended",
+                   fmt::format("APPENDED: {} bytes were added after the signed ones", content.size() - hint.bytes),
+                   ExitCode::kCriterionFailed);
   if (!hint.number.empty() &&
       (kind_of_file(beginning_of(content)) != hint.kind || content.find(hint.number) == std::string::npos))
-    return finding("wrong file", "WRONG FILE: signed was " + signed_file, ExitCode::kCriterionFailed);
-  return finding("tampered", fmt::format("TAMPERED: the bytes differ from those that were signed ({})", signed_file),
+    return finding("wrong file", "WRONG FILE: the signature is for " + signed_file, ExitCode::kCriterionFailed);
+  return finding("tampered", fmt::format("TAMPERED: the bytes differ from the signed ones ({})", signed_file),
                  ExitCode::kCriterionFailed);
 }
 
 SignatureFinding certificate_finding(const std::string& root, X509* signer, STACK_OF(X509) * others, std::time_t at) {
   if (root.empty())
-    return finding("no root", "the bytes are those that were signed; --root ROOT.pem is needed to verify the signer",
+    return finding("no root", "the bytes are the signed ones; --root ROOT.pem is needed to verify the signer",
                    ExitCode::kInconclusive);
   const Store roots = roots_from(root);
   const int now = chain_error(roots.get(), signer, others, -1);
-  if (now == X509_V_OK) return finding("good", "good: the certificate leads to the root and is valid", ExitCode::kPass);
+  if (now == X509_V_OK)
+    return finding("good", "good: the certificate chains to the root and is valid", ExitCode::kPass);
   if (now != X509_V_ERR_CERT_HAS_EXPIRED && now != X509_V_ERR_CERT_NOT_YET_VALID)
     return finding(
         "other root",
-        fmt::format("OTHER ROOT: the certificate does not lead to this root ({})", X509_verify_cert_error_string(now)),
+        fmt::format("OTHER ROOT: the certificate does not chain to this root ({})", X509_verify_cert_error_string(now)),
         ExitCode::kCriterionFailed);
   if (at >= 0 && chain_error(roots.get(), signer, others, at) == X509_V_OK)
-    return finding(
-        "expired",
-        "expired: the certificate was valid when signed, by the signer's own clock; it is not valid now, and "
-        "no time stamp proves when that was",
-        ExitCode::kInconclusive);
+    return finding("expired",
+                   "expired: the certificate was valid when signed, by the signer's own clock; it is not valid now, "
+                   "and no time stamp proves the time of signing",
+                   ExitCode::kInconclusive);
   return finding("invalid then",
                  fmt::format("INVALID THEN: at the time of signing, by the signer's own clock, the certificate was not "
                              "valid ({})",
@@ -220,7 +219,7 @@ struct SigningKey {
 std::shared_ptr<const SigningKey> read_signing_key(const SignerFiles& files) {
   const bool pem = !files.key.empty() && !files.certificate.empty() && files.pkcs12.empty();
   if (!pem && (files.pkcs12.empty() || !files.key.empty() || !files.certificate.empty()))
-    refuse("a signature takes a key and a certificate, or one PKCS#12 file with both", "report sign",
+    refuse("a signature needs a key and a certificate, or one PKCS#12 file with both", "report sign",
            "--key KEY.pem --certificate CERT.pem, or --pkcs12 FILE.p12");
   std::string password = files.password.empty() ? "" : text_of_file(files.password);
   password.resize(std::min(password.size(), password.find_first_of("\r\n")));
@@ -231,7 +230,7 @@ std::shared_ptr<const SigningKey> read_signing_key(const SignerFiles& files) {
     out->key.reset(PEM_read_bio_PrivateKey(key_bytes.get(), nullptr, give_password, &password), EVP_PKEY_free);
     if (!out->key) refuse("it is not a private key in PEM, or the password does not open it", files.key);
     out->certificate.reset(PEM_read_bio_X509(certificate_bytes.get(), nullptr, nullptr, nullptr), X509_free);
-    if (!out->certificate) refuse("it holds no certificate in PEM", files.certificate);
+    if (!out->certificate) refuse("it contains no certificate in PEM", files.certificate);
     out->issuers.reset(sk_X509_new_null(), free_certificates);
     while (X509* const more = PEM_read_bio_X509(certificate_bytes.get(), nullptr, nullptr, nullptr))
       sk_X509_push(out->issuers.get(), more);
@@ -287,7 +286,7 @@ std::string sign_file(const SigningKey& key, const std::string& path, const std:
 SignatureFinding check_signature_of(const std::string& path, const std::string& root) {
   std::error_code unknown;
   if (!std::filesystem::is_regular_file(path + ".p7s", unknown))
-    return finding("missing", fmt::format("missing: {}.p7s is not there", path), ExitCode::kInconclusive);
+    return finding("missing", fmt::format("missing: {}.p7s does not exist", path), ExitCode::kInconclusive);
   if (std::filesystem::file_size(path + ".p7s", unknown) > kLargestKey)
     return damaged("is not a CMS signature by one signer");
   const std::string signature = file_text(path + ".p7s"), content = text_of_file(path, kLargestFile);
@@ -303,7 +302,7 @@ SignatureFinding check_signature_of(const std::string& path, const std::string& 
   if (CMS_set1_signers_certs(cms.get(), nullptr, 0) == 1)
     CMS_SignerInfo_get0_algs(signer, nullptr, &certificate, nullptr, nullptr);
   if (certificate == nullptr) return damaged("lacks the signer's certificate");
-  const bool sealed = CMS_SignerInfo_verify(signer) == 1;  // what it says of the file is what was signed
+  const bool sealed = CMS_SignerInfo_verify(signer) == 1;  // its statement about the file is the signed one
   ERR_clear_error();
   if (!sealed) return damaged("is not by the key of its certificate");
   X509_ALGOR* algorithm = nullptr;
@@ -315,13 +314,13 @@ SignatureFinding check_signature_of(const std::string& path, const std::string& 
       !has_digest(digest, how, content)
           ? other_bytes(content, hint_of(attribute(signer, NID_id_smime_aa_contentHint, V_ASN1_SEQUENCE)), digest, how)
           : certificate_finding(root, certificate, others.get(), at);
-  if (found.state == "good") {  // the whole of it by OpenSSL itself
+  if (found.state == "good") {  // checks all of it by OpenSSL itself
     const Store roots = roots_from(root);
     const Bio again = bytes_of(content);
     const unsigned cades =
         CMS_signed_get_attr_by_NID(signer, NID_id_smime_aa_signingCertificateV2, -1) < 0 ? 0 : CMS_CADES;
     if (CMS_verify(cms.get(), nullptr, roots.get(), again.get(), nullptr, CMS_BINARY | CMS_DETACHED | cades) != 1)
-      found = damaged("names another certificate than its own");
+      found = damaged("names a certificate that it does not contain");
     ERR_clear_error();
   }
   found.signer = subject_of(certificate);

@@ -44,12 +44,13 @@ bool may_be_written(const std::string& path, const std::string& number, const db
   if (there.empty()) return true;
   if (there == number) return false;
   throw Error("TB-REPORT-SIGNED", fmt::format("the file holds the signed report {}", there), path,
-              "a signed report is not written over: name another file with -o");
+              "signed reports are never overwritten: name another file with -o");
 }
 
 namespace {
 
-// The runs of this store that a report rests on, its own first; `missing`: content hashes of those that it has not.
+// The runs of this store on which a report is based, its own first; `missing`: content hashes of runs that the store
+// does not have.
 std::vector<db::RunRecord> evidence_runs(const db::RunStore& store, const db::ReportRecord& report,
                                          std::vector<std::string>* missing) {
   std::vector<db::RunRecord> runs = {store.run(report.run)};

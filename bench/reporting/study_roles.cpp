@@ -65,7 +65,7 @@ std::optional<double> degrees_in(const Recorded& recorded) {
   throw Error("TB-REPORT-STUDY", what, fmt::format("--studies {}:{}", study.run, study.role), remedy);
 }
 
-// Turned against the report's own run, 0 to 360 degrees; none where the run does not record it.
+// Rotation relative to the report's run, 0 to 360 degrees; none if the run does not record it.
 std::optional<double> turned_against(const db::RunRecord& own, const Recorded& recorded) {
   const std::optional<double> there = degrees_in(recorded);
   if (!there) return std::nullopt;
@@ -79,28 +79,27 @@ std::optional<double> turned_against(const db::RunRecord& own, const Recorded& r
 void check_role(const StudyRun& study, const db::RunRecord& own, const db::RunRecord& other, StudyPurpose purpose) {
   if (study.role.empty()) return;
   if (purpose != StudyPurpose::kPlainLoops)
-    refuse(
-        study,
-        fmt::format("run {} {}, by its own recipe: it is no run of a study of {}", study.run,
-                    purpose == StudyPurpose::kPresses ? "presses an object" : "goes at several rates or holds levels",
-                    study.role == "mount" ? "mounts" : "turns"),
-        fmt::format("its recipe shows its purpose: --studies {}", study.run));
+    refuse(study,
+           fmt::format("run {} {}, according to its recipe: it cannot be a study of {}", study.run,
+                       purpose == StudyPurpose::kPresses ? "presses an object" : "has several rates or held levels",
+                       study.role == "mount" ? "mounts" : "turns"),
+           fmt::format("its recipe shows its purpose: --studies {}", study.run));
   const std::optional<Recorded> turned = turn_of(other);
   const std::optional<double> degrees = turned ? turned_against(own, *turned) : std::nullopt;
   const double stated = study.role == "mount" ? 0.0 : std::stod(study.role);
   if (degrees && std::abs(*degrees - stated) > 1e-6)
-    refuse(
-        study,
-        fmt::format("run {} was turned by {:g} degrees against run {}, by its own record ({}){}", study.run, *degrees,
-                    own.run, turned->where, study.role == "mount" ? "" : fmt::format(", not by {:g}", stated)),
-        fmt::format("state what was done: {}:{:g}", study.run, *degrees));
+    refuse(study,
+           fmt::format("run {} was turned by {:g} degrees relative to run {}, according to its record ({}){}",
+                       study.run, *degrees, own.run, turned->where,
+                       study.role == "mount" ? "" : fmt::format(", not by {:g}", stated)),
+           fmt::format("state what was done: {}:{:g}", study.run, *degrees));
   if (study.role != "mount") return;
   const std::optional<Recorded> ours = mount_of(own), theirs = mount_of(other);
   if (ours && theirs && ours->value == theirs->value)
     refuse(study,
-           fmt::format("run {} was not mounted anew, by its own record: {}, as in run {}", study.run, theirs->where,
+           fmt::format("run {} was not re-mounted, according to its record: {}, as in run {}", study.run, theirs->where,
                        own.run),
-           fmt::format("name runs of another mount; to see models on this run: --held-out {}", study.run));
+           fmt::format("name runs of another mount; to check models on this run: --held-out {}", study.run));
 }
 
 namespace {
@@ -143,8 +142,8 @@ std::string sweeps_of(const sequences::Recipe& recipe) {
 std::string warm_up_of(const sequences::Recipe& recipe) {
   if (recipe.warm_up.at_most_s <= 0.0) return {};
   return fmt::format(
-      "; before the run a wait of at most {:g} s until the unloaded output drifts by less than {:g} % of "
-      "the range a minute",
+      "; before the run a wait of at most {:g} s until the unloaded output drifts by less than {:g} % of the range per "
+      "minute",
       recipe.warm_up.at_most_s, recipe.warm_up.drift_percent_per_min);
 }
 
@@ -168,7 +167,7 @@ std::string sequence_text(const sequences::Recipe& recipe) {
                          fmt::join(recipe.press.forces_n, ", "));
   else
     words += fmt::format("; a level every {}, {}", analysis::both_units(recipe.step.value()), turns_of(recipe));
-  const char* each = recipe.dwell_s.size() > 1 || recipe.ramp_psi_per_s.size() > 1 ? ", one a repeat in turn" : "";
+  const char* each = recipe.dwell_s.size() > 1 || recipe.ramp_psi_per_s.size() > 1 ? ", one per repeat in turn" : "";
   words += recipe.settle ? fmt::format("; waiting time (dwell) {:g} s from pressure or force in band to the frame{}",
                                        fmt::join(recipe.dwell_s, ", "), each)
                          : fmt::format("; on a ramp of {}{}, frames as it passes the levels", ramps_of(recipe), each);

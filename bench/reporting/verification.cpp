@@ -52,8 +52,8 @@ class Verification {
     if (fit.run != run_) {
       const db::ContentCheck& content = content_of(fit.run);
       if (!content.holds()) {
-        result.compared = "not recomputed: the run of their models is not what was stored";
-        result.difference = fmt::format("run {}, whose models they rest on: {}", fit.run, content.difference);
+        result.compared = "not recomputed: the run of their models has changed since it was stored";
+        result.difference = fmt::format("run {}, on whose models they are based: {}", fit.run, content.difference);
         return result;
       }
     }
@@ -80,8 +80,8 @@ class Verification {
     });
     if (by_laboratory)
       verified.compared +=
-          "; inconclusive where they rest on the reference, which was overdue by a laboratory file: that is not in the "
-          "store";
+          "; inconclusive if they depend on the reference, which was overdue according to a laboratory file that is "
+          "not in the store";
     return verified;
   }
 
@@ -115,7 +115,7 @@ class Verification {
   // Empty: it can be recomputed from its run.
   std::string why_not(const db::FitRecord& fit) const {
     if (const auto pruned = store_.pruned(fit.run))
-      return fmt::format("not recomputed: the frames of run {}, which it rests on, were removed on {}", fit.run,
+      return fmt::format("not recomputed: the frames of run {}, on which it is based, were removed on {}", fit.run,
                          pruned->pruned_utc);
     if (store_.run(fit.run).origin == "imported") return "not recomputed: it was made from an imported table";
     return why_not_dynamic(fit);
@@ -130,16 +130,16 @@ class Verification {
     } catch (const analysis::AnalysisError&) {
       return {};  // recomputing it says why
     }
-    if (!dynamics) return "not recomputed: it does not record which runs its lag and creep are from";
+    if (!dynamics) return "not recomputed: it does not record the runs of its lag and creep";
     for (const auto& [source, what] : {std::pair(dynamics->rate, "lag"), std::pair(dynamics->creep, "creep")}) {
       if (source.run == 0) continue;
       const std::optional<std::int64_t> run = run_of_source(store_, source);
       if (run && store_.pruned(*run))
-        return fmt::format("not recomputed: the frames of run {}, which its {} is from, were removed", *run, what);
+        return fmt::format("not recomputed: the frames of run {}, source of its {}, were removed", *run, what);
       if (run) continue;
       return fmt::format(
-          "not recomputed: this store does not have the run that its {} is from, run {} where it was "
-          "made, content {}",
+          "not recomputed: this store does not have the source run of its {} (run {} in the original store, content "
+          "{})",
           what, source.run, source.content_sha256.substr(0, 12));
     }
     return {};
@@ -157,7 +157,7 @@ class Verification {
         continue;
       else if (const db::ContentCheck& content = content_of(source); !content.holds())
         throw analysis::AnalysisError("TB-ANALYSIS-FRAME",
-                                      fmt::format("run {}, which it rests on: {}", source, content.difference),
+                                      fmt::format("run {}, on which it is based: {}", source, content.difference),
                                       "restore the store from a copy");
     const analysis::Dataset& fitted = runs_.dataset(run);
     analysis::SensorModel fit = rate != 0 && creep != 0
@@ -184,7 +184,7 @@ class Verification {
       options.mean_alone = stored.array().empty();
       kept = analysis::fit_array(dataset, options);
     }
-    // What no frame says. The run has another number where it was copied to another store.
+    // Not contained in the frames. The run has another number in a copied store.
     kept->source = stored.source;
     kept->content_sha256 = stored.content_sha256;
     kept->program_version = stored.program_version;

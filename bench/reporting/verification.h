@@ -20,9 +20,9 @@ struct VerifiedResult {
 
 struct RunVerification {
   db::ContentCheck content;
-  std::vector<std::string> beside;      // changed parts among fits, verdicts, approvals and voids
-  std::vector<VerifiedResult> results;  // none when the content has changed
-  std::string first_difference;         // empty: all as stored, as far as it is there (content.pruned)
+  std::vector<std::string> beside;      // changed records outside the content hash: fits, verdicts, approvals, voids
+  std::vector<VerifiedResult> results;  // empty if the content has changed
+  std::string first_difference;         // empty: everything present is as stored (content.pruned: frames were removed)
 };
 
 // Recomputes an ended run from its raw frames; writes nothing. Throws StoreError TB-STORE-NOT-FOUND.

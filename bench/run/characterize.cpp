@@ -35,7 +35,7 @@ namespace {
 
 constexpr double kShortLock = 5.0;  // s, of the store by another program
 
-// One run from its row to its end. Each part of the way out is bounded in time, and a failure in one does not skip the
+// One run from its row to its end. Each part of the teardown is bounded in time, and a failure in one does not skip the
 // next.
 class RunLifecycle {
  public:
@@ -125,7 +125,7 @@ class RunLifecycle {
     sequencer_->pace(request_.bench.in_process ? request_.pace : 0.0);
     sequencer_->follow(work_.recipes.front());
     recorder_->when_locked([this](const db::StoreError& locked, double waited_s) {
-      if (waited_s > kShortLock) throw db::StoreError(locked);  // nothing is under pressure or measured yet
+      if (waited_s > kShortLock) throw db::StoreError(locked);  // there is no pressure and no measurement yet
       sequencer_->stand();
       return true;
     });
@@ -164,7 +164,8 @@ class RunLifecycle {
     if (!lock_.renew(result_.run)) return;
     recorder_->event(
         "warning", "TB-STORE-LOCK",
-        fmt::format("the lock file {}-lock was removed or replaced, and is made again: leave it there", store_.path()));
+        fmt::format("the lock file {}-lock was removed or replaced, and has been recreated: do not remove it",
+                    store_.path()));
   }
 
   // A store that cannot be written delays or ends the run at its next frame or step, never a command.
@@ -261,13 +262,13 @@ class RunLifecycle {
     }
     try {
       return fmt::format(
-          "the whole store, this run in it, is saved as '{}': name it with --db, or move it to where a "
-          "store belongs",
+          "the whole store, including this run, is saved as '{}': name it with --db, or move it to the place of the "
+          "store",
           store_.rescue());
     } catch (const std::exception& error) {
       return fmt::format(
-          "it could not be saved either ({}): where it was only moved, move {}-wal to it; where it was cut off, take "
-          "your last snapshot",
+          "it could not be saved either ({}): if it was only moved, move {}-wal to it; if it was cut off, restore your "
+          "last snapshot",
           error.what(), store_.path());
     }
   }
@@ -280,7 +281,7 @@ class RunLifecycle {
     if (rig_) record_notices(*rig_, *recorder_, progress_);
     if (dead_man_works_) {
       recorder_->event("dead-man", "",
-                       fmt::format("it had not ended when the run was closed; what it did will stand in {}",
+                       fmt::format("it had not ended when the run was closed; its actions will be recorded in {}",
                                    TripFile(request_.bench.id).dead_man_path()));
     }
     ending_.write(*recorder_);
@@ -316,9 +317,9 @@ class RunLifecycle {
   std::unique_ptr<ControlSocket> socket_;
   UnloadedFrame baseline_;
   SafeProof proof_;
-  bool end_delayed_ = false;     // and said so
+  bool end_delayed_ = false;     // and this was reported
   bool dead_man_works_ = false;  // it makes the bench safe, and had not ended in time
-  bool store_lost_ = false;      // then the way out does not wait for its locks
+  bool store_lost_ = false;      // then the teardown does not wait for its locks
 };
 
 }  // namespace

@@ -252,7 +252,7 @@ void Conductor::fail_fast(const Step& step) {
   const bool weak = mean < limits.least_response_v;
   if (!weak && (limits.most_dead_taxels < 0 || dead <= limits.most_dead_taxels)) return;
   throw Error("TB-RUN-HOPELESS",
-              fmt::format("at the first {} the array answers with {:.3f} V on average and {} not at all",
+              fmt::format("at the first {} the array responds with {:.3f} V on average, and {} not at all",
                           analysis::both_units(step.setpoint.value()), mean, analysis::counted(dead, "taxel")),
               fmt::format("recipe '{}' [limits]", recipe.name));
 }
@@ -270,7 +270,7 @@ void Conductor::set_state(RunState state, const std::string& reason) {
   publish();
 }
 
-// Shows at once that a pause was asked for or taken back.
+// Shows immediately that a pause was requested or revoked.
 void Conductor::listen() {
   if (work_.on_poll) work_.on_poll();
   record_notices(sequencer_.rig(), recorder_, board_.progress());
@@ -280,9 +280,9 @@ void Conductor::listen() {
     board_.note("pausing at the end of this branch; Ctrl-C (or `tactbench stop`) ends the run now");
   } else if (!control_.pause_wanted() && recorder_.state() == RunState::kPausing) {
     (void)control_.consume_resume();
-    set_state(RunState::kRunning, "taken back by " + control_.who());
+    set_state(RunState::kRunning, "revoked by " + control_.who());
   }
-  // The stage's steps poll no pressure; while a person is waited for, the note on the terminal stands.
+  // The stage's steps poll no pressure; while a person is waited for, the note on the terminal is kept.
   if (status_.target_n) sequencer_.publish_readings();
   if (recorder_.state() == RunState::kRunning || recorder_.state() == RunState::kPausing) board_.refresh();
 }
@@ -355,8 +355,9 @@ std::size_t Conductor::after_rest(std::size_t next) {
   const auto same = [&](const sequences::BranchKey& other) {
     return other.sequence == key.sequence && other.repeat == key.repeat;
   };
-  recorder_.void_repeat(key.sequence, key.repeat,
-                        fmt::format("the sensor rested for {:.0f} s: the repeat is done again", rested_s_));
+  recorder_.void_repeat(
+      key.sequence, key.repeat,
+      fmt::format("the sensor rested for {:.0f} s: the repeat is repeated from its start", rested_s_));
   std::erase_if(work_.done, same);
   const auto first = std::find_if(spans_.begin(), spans_.end(), [&](const sequences::BranchSpan& span) {
     return span.kind == sequences::SpanKind::kBranch && same(span.key);
@@ -364,15 +365,15 @@ std::size_t Conductor::after_rest(std::size_t next) {
   return static_cast<std::size_t>(first - spans_.begin());
 }
 
-// Another program has locked the store, so no step may follow: what was measured last is not kept yet. A short lock is
-// waited for where the work stands, with the module fed and the pressures watched; for a longer one the run is
-// suspended like one without supply. Outside of the work the rig is vented or on its way there, which goes on.
+// Another program has locked the store, so no step may follow: what was measured last is not kept yet. During a short
+// lock the run holds its present state, feeding the module and monitoring the pressures; during a longer one it is
+// suspended, as without supply. Outside of the work the rig is vented or being vented, which continues.
 bool Conductor::handle_store_lock(const db::StoreError& locked, double waited_s) {
   constexpr double kStands = 5.0, kLongest = 3600.0;  // s
   const RunState state = recorder_.state();
   if (!working_ || (state != RunState::kRunning && state != RunState::kPausing)) return false;
   if (waited_s > kStands) throw Suspended{locked.what(), kLongest};
-  working_ = false;  // what is recorded meanwhile waits behind; what is thrown ends the work
+  working_ = false;  // new records are queued; an exception ends the work
   sequencer_.stand();
   working_ = true;
   return true;
@@ -394,13 +395,13 @@ void Conductor::suspend(const Suspended& suspended) {
     if (rig.clock().now() > deadline) {
       if (!recorder_.flush()) throw db::StoreError(*recorder_.locked());
       throw Fault("TB-RUN-SUSPENDED", "surroundings",
-                  fmt::format("{}, and it did not come back within {:g} s", suspended.what, suspended.timeout_s));
+                  fmt::format("{}, and it did not recover within {:g} s", suspended.what, suspended.timeout_s));
     }
     sequencer_.idle();
   }
   rested_s_ = devices::in_seconds(rig.clock().now() - start);
   recover();
-  set_state(RunState::kRunning, "what was waited for is there again");
+  set_state(RunState::kRunning, "the condition is met again");
   displaced_ = true;
 }
 
@@ -414,7 +415,7 @@ void Conductor::prompt(const sequences::Step& step) {
   const int question = ++status_.question_id;
   status_.phase = "waiting for an answer: " + step.text;
   const bool terminal = isatty(STDIN_FILENO) == 1;
-  // What was typed before the question is no answer to it.
+  // Text typed before the question is not an answer to it.
   if (terminal) (void)::tcflush(STDIN_FILENO, TCIFLUSH);
   if (recorder_.state() == RunState::kRunning) set_state(RunState::kPausing, "for the operator");
   set_state(RunState::kPaused, "operator: " + step.text);
@@ -473,7 +474,7 @@ bool Conductor::recovered() try {
   recover();
   return true;
 } catch (const Fault& fault) {
-  recorder_.event("attempt", fault.id(), fmt::format("the devices do not come back: {}", fault.what()));
+  recorder_.event("attempt", fault.id(), fmt::format("the devices cannot be reopened: {}", fault.what()));
   return false;
 }
 

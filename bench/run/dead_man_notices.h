@@ -1,4 +1,4 @@
-// Reports what the dead-man and busy modules signalled while an actuator is held: to the run's record and to people.
+// Reports notices of the dead-man and of busy modules to the run's record and to the operator.
 #pragma once
 
 namespace tactbench::bench {
@@ -7,10 +7,10 @@ class Progress;
 class Recorder;
 class Rig;
 
-// Reports what came since the last call: of the dead-man an event of kind "dead-man" and a note each, of a module that
-// was busy one of kind "warning" (TB-MODBUS-BUSY).
+// Reports the notices since the last call: for the dead-man an event of kind "dead-man" and a printed note each, for a
+// busy module an event of kind "warning" (TB-MODBUS-BUSY).
 void record_notices(Rig& rig, Recorder& recorder, Progress& progress);
-// The dead-man's for verbs that keep no record: one line each on standard error.
+// Prints the dead-man's notices, for verbs without a run record: one line each on standard error.
 void print_dead_man_notices(Rig& rig);
 // Throws Fault TB-DEADMAN-SILENT, TB-DEADMAN-ENDED, TB-DEADMAN-BLIND when it no longer watches.
 void check_dead_man(Rig& rig);

@@ -15,23 +15,23 @@ namespace tactbench::bench {
 
 class EndReason {
  public:
-  // Both outlive this.
+  // Both must outlive this.
   EndReason(Control& control, const StopRequest& signals) : control_(control), signals_(signals) {}
 
   // To be called where an exception is caught: the run ends by that exception, or by a command that came before it. A
-  // panic wins over any fault that follows it, since the dead-man's vent makes the sequencer's next command fail. Stop
-  // and abort win over a failed device, which may have the same cause (Ctrl-C reaches every program of a terminal), but
-  // not over a limit, a trip, the store, or a chamber that is not safe.
+  // panic has precedence over any later fault, because the dead-man's vent makes the sequencer's next command fail.
+  // Stop and abort have precedence over a failed device, which may have the same cause (Ctrl-C reaches every program of
+  // a terminal), but not over a limit, a trip, a store error, or a chamber that is not safe.
   void by_exception(const std::string& where);
-  // Ignored when the run has already ended by something else.
+  // Ignored if the run already has a reason for its end.
   void by(const Error& error);
-  // To be called after the work and the way out: a command that came meanwhile, other than stop, ends a run that
-  // nothing else has ended; otherwise it is recorded as an event. No command is accepted after this.
+  // To be called after the teardown: a command other than stop that was received meanwhile becomes the reason of the
+  // end if there is no other; otherwise it is recorded as an event. No command is accepted after this.
   void record_last_command(const std::string& where);
 
-  [[nodiscard]] const std::optional<Error>& error() const { return error_; }  // none: all was done
+  [[nodiscard]] const std::optional<Error>& error() const { return error_; }  // none: all steps were done
   [[nodiscard]] db::Outcome outcome() const;
-  [[nodiscard]] bool store_failed() const { return store_failed_; }  // one of the faults was the store's
+  [[nodiscard]] bool store_failed() const { return store_failed_; }  // one of the faults was a store error
   void write(Recorder& recorder) const;                              // events of kind "fault" and "word"
 
  private:

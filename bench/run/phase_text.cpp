@@ -16,7 +16,7 @@ namespace {
 
 std::string conditioning_text(const Step& step, const Recipe& recipe) {
   const bool by_criterion = recipe.conditioning.change_percent > 0.0;
-  // Without cycles of its own a recipe is conditioned once before a branch is done again.
+  // A recipe without conditioning cycles is conditioned once before a branch is repeated.
   const int cycles = std::max(1, recipe.conditioning.cycles);
   return fmt::format("conditioning {} of {}{}", step.repeat + 1, by_criterion ? "at most " : "", cycles);
 }

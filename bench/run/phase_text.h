@@ -7,8 +7,8 @@
 
 namespace tactbench::bench {
 
-// "conditioning 2 of 6"; "descending, step 19 of 217, repeat 1 of 5, unloading". `number`: of the step, from 1, of
-// `steps` of the run.
+// "conditioning 2 of 6"; "descending, step 19 of 217, repeat 1 of 5, unloading". `number`: of the step, from 1;
+// `steps`: in the run.
 std::string phase_of(const sequences::Step& step, const sequences::Recipe& recipe, int number, int steps);
 
 }  // namespace tactbench::bench

@@ -57,8 +57,8 @@ Margin pressure_margin(const sequences::Extremes& all, const BenchConfig& bench)
   const double driven = pressure_kind(bench).highest_psi(bench);
   const auto [limit, key] = std::min(
       {std::pair(bench.limits.command_psi, std::string("[limits] command_psi in the bench file")),
-       std::pair(driven, "what the regulator can be set to by the bench file, " + analysis::both_units(driven)),
-       std::pair(reference_range(bench).high_psi, "the end of [reference]'s span in the bench file, " +
+       std::pair(driven, "the regulator's range in the bench file,  " + analysis::both_units(driven)),
+       std::pair(reference_range(bench).high_psi, "the end of [reference]'s span in the bench file,  " +
                                                       analysis::both_units(bench.reference.span.high.value()))});
   // No lower limit for gauge pressure: falling to 0 is not dangerous.
   return {"pressure", "psi", all.lowest.value(), all.highest.value(), -1e9, limit, key};
@@ -236,8 +236,8 @@ NotJudged not_judged(const std::vector<sequences::Step>& steps, const std::vecto
   }
   if (!limits.mpe.empty() && !counted)
     out.why.emplace_back(
-        "each [[mpe]] is inconclusive: U of a reading stays open where no kind of history (full sweeps, "
-        "reversals, small reversals, held pressures) is gone through twice; verification does it");
+        "each [[mpe]] is inconclusive: U of a reading is not determined unless a kind of history (full sweeps, "
+        "reversals, small reversals, held pressures) occurs twice; the recipe verification does that");
   out.nothing = !out.why.empty() && open == limits.mismatch.size() + limits.mpe.size();
   return out;
 }
@@ -258,17 +258,16 @@ std::vector<std::string> recipe_warnings(const std::vector<Recipe>& recipes, con
       finer = fmt::format("one step of the set-point, {}: several levels have the same set-point",
                           fmt::format("{:.3g} {}", unit.of(count_psi), unit.symbol()));
     if (recipe.settle && recipe.step.value() < bench.settling.band_psi)
-      finer += fmt::format("{}[settling] band_psi, {}: a level counts as reached where its neighbour is",
+      finer += fmt::format("{}[settling] band_psi, {}: a level counts as reached when its neighbour is",
                            finer.empty() ? "" : ", and than ", unit.short_text(bench.settling.band_psi));
     if (!finer.empty())
       warnings.push_back(fmt::format("recipe '{}' has steps of {}, finer than {}", recipe.name,
                                      unit.short_text(recipe.step.value()), finer));
     const double fastest = *std::ranges::max_element(recipe.ramp_psi_per_s), rate = bench.limits.rate_psi_per_s;
     if (fastest > rate)
-      warnings.push_back(
-          fmt::format("recipe '{}' has ramps of {} a second, and the pressure moves at the {} of [limits] "
-                      "rate_psi_per_s",
-                      recipe.name, unit.short_text(fastest), unit.short_text(rate)));
+      warnings.push_back(fmt::format(
+          "recipe '{}' has ramps of {} per second, but the pressure moves at the {} of [limits] rate_psi_per_s",
+          recipe.name, unit.short_text(fastest), unit.short_text(rate)));
   }
   return warnings;
 }

@@ -1,6 +1,6 @@
 // Writes a run to the store: one frame per step with the trace since the previous frame, branches with their attempts,
-// and the state of the run, whose only writer it is while the run is live. What cannot be written because another
-// program has locked the store waits here, in order.
+// and the state of the run. It is the only writer of a live run. Data that cannot be written because another program
+// has locked the store are queued here in order.
 #pragma once
 
 #include <chrono>
@@ -33,8 +33,8 @@ struct StepReadings {
 
 class Recorder {
  public:
-  // `offset` is added to the clock's time, so that the time of a resumed run continues. Counting of attempts continues
-  // after the stored ones.
+  // `offset` is added to the clock's time, so that the time of a resumed run continues. The count of attempts continues
+  // from the stored ones.
   Recorder(db::RunStore& store, std::int64_t run, const devices::Clock& clock, devices::Nanoseconds offset = {});
 
   // Transformation of texts before they are stored (bench/simulation/ephemeral_addresses.h); without it they are stored
@@ -42,20 +42,20 @@ class Recorder {
   void name_by(std::function<std::string(const std::string&)> names) { names_ = std::move(names); }
   [[nodiscard]] std::string as_stored(const std::string& text) const { return names_ ? names_(text) : text; }
 
-  // Called between two tries while the store is locked, with the error and the seconds waited so far. It may throw;
-  // false: the work continues, and what waits is written later. Without a handler it waits 5 s.
+  // Called between two attempts while the store is locked, with the error and the seconds waited so far. It may throw;
+  // false: the work continues, and the queue is written later. Without a handler the recorder waits 5 s.
   using OnLockRetry = std::function<bool(const db::StoreError& locked, double waited_s)>;
   void when_locked(OnLockRetry bear) { on_lock_retry_ = std::move(bear); }
-  // Executes `job`, one transaction of the store, after everything that waits. A job that met a locked store is
-  // repeated unchanged, perhaps after this has returned or thrown.
+  // Executes `job`, one transaction of the store, after the queue. A job that found the store locked is repeated
+  // unchanged, possibly after this has returned or thrown.
   void write(std::function<void()> job);
-  // Writes what waits; false: the store is still locked, and locked() says by whom.
+  // Writes the queue; false: the store is still locked, and locked() says by whom.
   [[nodiscard]] bool flush();
   [[nodiscard]] const std::optional<db::StoreError>& locked() const { return locked_; }
 
   void open_branch(const sequences::Step& step);                          // the next attempt at the step's branch
-  void void_branch(const std::string& reason);                            // the open one; nothing when none is open
-  void void_repeat(int sequence, int repeat, const std::string& reason);  // all its branches so far
+  void void_branch(const std::string& reason);                            // voids the open branch, if there is one
+  void void_repeat(int sequence, int repeat, const std::string& reason);  // voids all branches of the repeat so far
   void close_branch() { branch_ = 0; }
   // One reading of the pressures, kept until the next frame is stored with all of them.
   void poll(devices::Psi setpoint, const devices::PressureReading& feedback, const devices::PressureReading& reference);
@@ -68,13 +68,13 @@ class Recorder {
   void state(RunState next, const std::string& reason);
   void end(db::Outcome outcome, const std::string& reason, db::SafeState safe);
   [[nodiscard]] RunState state() const { return state_; }
-  [[nodiscard]] int frames() const { return frames_; }                     // stored by this process
-  [[nodiscard]] std::int64_t void_frames() const { return void_frames_; }  // of earlier processes too
+  [[nodiscard]] int frames() const { return frames_; }                     // frames stored by this process
+  [[nodiscard]] std::int64_t void_frames() const { return void_frames_; }  // including earlier processes
   [[nodiscard]] int max_exchanges() const { return max_exchanges_; }
   [[nodiscard]] std::int64_t run() const { return run_; }
-  // Process time since the run's start, those of earlier processes included.
+  // Process time since the run's start, including earlier processes.
   [[nodiscard]] double elapsed_s() const { return static_cast<double>(now_ns()) * 1e-9; }
-  [[nodiscard]] double store_seconds() const { return store_seconds_; }  // real, spent in storing frames
+  [[nodiscard]] double store_seconds() const { return store_seconds_; }  // real time spent in storing frames
 
  private:
   [[nodiscard]] std::function<void()> storing(const std::string& kind, const std::string& id,

@@ -79,7 +79,7 @@ ResumePoint reopen(db::RunStore& store, std::int64_t run, const std::vector<sequ
   store.reopen_run(
       run, {point.offset.count(), "state", "",
             fmt::format("ended -> prepared: resumed after {:.0f} s; it had ended {}", point.rest_s, point.had_ended)});
-  for (const std::int64_t branch : half) store.void_branch(branch, "half done when the run ended");
+  for (const std::int64_t branch : half) store.void_branch(branch, "incomplete when the run ended");
   point.voided = static_cast<int>(half.size());
   // The run continues in the repeat of the first branch that is not done.
   const auto next = std::find_if(spans.begin(), spans.end(), [&](const BranchSpan& span) {
@@ -89,8 +89,9 @@ ResumePoint reopen(db::RunStore& store, std::int64_t run, const std::vector<sequ
     const double longest = recipes[static_cast<std::size_t>(next->key.sequence)].rest_restart_s;
     for (auto entry = whole.begin(); entry != whole.end() && point.rest_s > longest;) {
       if (entry->first.sequence == next->key.sequence && entry->first.repeat == next->key.repeat) {
-        store.void_branch(entry->second,
-                          fmt::format("the sensor rested for {:.0f} s: the repeat is done again", point.rest_s));
+        store.void_branch(
+            entry->second,
+            fmt::format("the sensor rested for {:.0f} s: the repeat is repeated from its start", point.rest_s));
         ++point.voided;
         entry = whole.erase(entry);
       } else {

@@ -14,15 +14,16 @@ namespace tactbench::bench {
 
 struct ResumePoint {
   std::set<sequences::BranchKey> done;
-  devices::Nanoseconds offset{0};  // of the new process's clock: time in the run continues, including the rest
-  double rest_s = 0.0;             // since the run's last sign of life, by the wall clock
-  int voided = 0;                  // branches made void now
-  std::string had_ended;           // how, for people
+  devices::Nanoseconds offset{
+      0};                 // added to the new process's clock, so that the run's time continues, including the rest
+  double rest_s = 0.0;    // since the run's last sign of life, by the wall clock
+  int voided = 0;         // branches made void now
+  std::string had_ended;  // how the run had ended, as text
 };
 
-// Opens the run again (db::RunStore::reopen_run) and voids what must be repeated; deletes nothing. `steps`: compile()
-// of the recipes. Throws StoreError; Error TB-RUN-COMPLETED, and TB-RUN-CHANGED when what is stored does not fit
-// `recipes` and `steps`.
+// Reopens the run (db::RunStore::reopen_run) and voids what must be repeated; deletes nothing. `steps`: compile()
+// of the recipes. Throws StoreError; Error TB-RUN-COMPLETED, and TB-RUN-CHANGED if the stored data do not fit `recipes`
+// and `steps`.
 ResumePoint reopen(db::RunStore& store, std::int64_t run, const std::vector<sequences::Recipe>& recipes,
                    const std::vector<sequences::Step>& steps);
 

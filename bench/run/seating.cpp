@@ -73,9 +73,9 @@ std::string detail_of(const analysis::SeatingResult& result, const analysis::Sea
 }
 
 std::string why_not(const RunRequest& request, const sequences::Extremes& extremes, double psi) {
-  if (!request.check_seating) return "left out as asked (--no-seating)";
-  if (!extremes.pressurizes) return "left out: no recipe puts pressure on the array";
-  if (psi < kLowestPsi) return "left out: the recipes stay below " + analysis::both_units(kLowestPsi);
+  if (!request.check_seating) return "skipped as requested (--no-seating)";
+  if (!extremes.pressurizes) return "skipped: no recipe puts pressure on the array";
+  if (psi < kLowestPsi) return "skipped: the recipes stay below " + analysis::both_units(kLowestPsi);
   return {};
 }
 

@@ -104,7 +104,7 @@ void Sequencer::check_array() {
   const StuckRows stuck = stuck_rows_.see(readings_.scans, readings_.reference.pressure.value(), kFollows);
   if (stuck.all) {
     throw Fault("TB-SCANNER-STALE", "tactile scanner",
-                fmt::format("the frame at {} is to the last bit the one before, at another pressure",
+                fmt::format("the frame at {} is identical, bit for bit, to the previous one at another pressure",
                             analysis::both_units(readings_.reference.pressure.value(), 1)));
   }
   if (!stuck.rows.empty()) add_flag("row-stuck");
@@ -164,7 +164,7 @@ void Sequencer::settle(const Step& step) {
     if (clock.now() >= deadline) {
       throw Fault("TB-CHAMBER-TIMEOUT", "chamber",
                   fmt::format("chamber did not reach {} within {:g} s; last reading {} by the regulator, {} by the "
-                              "reference, moving {} a second",
+                              "reference, moving {} per second",
                               analysis::both_units(step.setpoint.value(), 1), settling.timeout_s,
                               analysis::both_units(readings_.feedback.pressure.value(), 2),
                               analysis::both_units(reference, 2), analysis::both_units(slope, 2)));

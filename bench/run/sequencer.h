@@ -1,4 +1,4 @@
-// Carries out single steps on the chamber: ramp, settle, dwell, read, record. conductor.h, one layer above, handles
+// Carries out single steps on the chamber: ramp, settle, dwell, read, record. The layer above, conductor.h, handles
 // faults.
 #pragma once
 
@@ -26,14 +26,14 @@ class Sequencer {
   Sequencer(Rig& rig, Recorder& recorder, Control& control, const StopRequest& signals)
       : rig_(rig), recorder_(recorder), control_(control), signals_(signals), times_(rig.clock()) {}
 
-  // Its rules (tolerances, retries, conditions) apply from now on. Has to outlive this.
+  // The rules of the recipe (tolerances, retries, conditions) apply from now on. It must outlive this.
   void follow(const sequences::Recipe& recipe);
   // Reads the unloaded array and both pressures; throws Fault TB-CHAMBER-NOT-VENTED when the chamber is under pressure,
   // TB-CHAMBER-WITNESS when a reading cannot be true.
   UnloadedFrame read_unloaded_frame();
 
-  // Between these two calls the measured reference must move in one direction from the branch's first level on, else a
-  // step throws PathBroken; on its way there, too. Tolerant: a broken path is only flagged on its frames.
+  // Between these two calls the measured reference must move in one direction, both on the way to the branch's first
+  // level and from there on; else a step throws PathBroken. `tolerant`: a broken path is only flagged on its frames.
   void begin_branch(const sequences::Step& first, bool tolerant);
   void end_branch() { guard_.reset(); }
   void begin_step();  // starts the recipe's time limit for one step
@@ -47,23 +47,23 @@ class Sequencer {
   // Waits in slices, so that a command or a signal takes effect within 0.1 s of real time. Throws RunEndRequested,
   // Suspended.
   void wait_until(devices::Nanoseconds time);
-  // Waits 0.2 s for a person on a vented rig, watching both pressures. Throws RunEndRequested.
+  // Waits 0.2 s on a vented rig for a person, monitoring both pressures. Throws RunEndRequested.
   void idle();
-  // Holds the present set-point for a moment, watching both pressures. Throws RunEndRequested, PathBroken.
+  // Holds the present set-point for a moment, monitoring both pressures. Throws RunEndRequested, PathBroken.
   void stand();
-  // Waits `duration_s` at 0 psi, feeding the module and watching the pressures.
+  // Waits `duration_s` at 0 psi, feeding the module's watchdog and monitoring the pressures.
   void hold_vented(double duration_s);
   [[nodiscard]] const SuspensionWatch& conditions() const { return suspension_; }
 
-  // True when a command or signal has asked for the end; the next wait throws.
+  // True if a command or signal has requested the end; the next wait throws.
   [[nodiscard]] bool leaving() const { return control_.asked(signals_).has_value(); }
   // Called after each poll of commands and signals.
   void set_listener(std::function<void()> listener) { listener_ = std::move(listener); }
-  // Of a manual clock: process time goes on no faster than `rate` times real time, for people who watch.
+  // For a manual clock: limits process time to `rate` times real time, for people who watch.
   void pace(double rate) { pace_ = rate; }
   [[nodiscard]] TimeSpent& times() { return times_; }
   [[nodiscard]] Rig& rig() { return rig_; }
-  // Starts a new path: pressure is 0, no dwell is under way.
+  // Starts a new path: pressure is 0, no dwell has begun.
   void forget() {
     setpoint_ = devices::Psi(0.0);
     moving_ = false;
@@ -76,7 +76,7 @@ class Sequencer {
   void ramp(const sequences::Step& step);
   void settle(const sequences::Step& step);
   void dwell(const sequences::Step& step);
-  void poll();  // feeds when due, reads both pressures, adds to the trace
+  void poll();  // feeds the watchdog when due, reads both pressures, adds to the trace
   void check_agreement();
   void check_array();  // detects a scanner that repeats its last scan
   void add_flag(const std::string& flag);
@@ -90,10 +90,10 @@ class Sequencer {
   TimeSpent times_;
   std::function<void()> listener_;
   const sequences::Recipe* recipe_ = nullptr;
-  StepReadings readings_;  // of the step under way
+  StepReadings readings_;  // readings of the current step
   devices::Psi setpoint_{0.0};
   std::optional<BranchGuard> guard_;
-  std::optional<devices::Nanoseconds> disagree_since_;  // feedback and reference
+  std::optional<devices::Nanoseconds> disagree_since_;  // since when feedback and reference disagree
   StuckRowWatch stuck_rows_;
   SuspensionWatch suspension_;
   devices::Nanoseconds polled_{0}, conditions_due_{0};
@@ -102,7 +102,7 @@ class Sequencer {
   double pace_ = 0.0;  // 0: no limit
   std::chrono::steady_clock::time_point paced_{};
   devices::Nanoseconds paced_at_{0};
-  bool moving_ = false;  // the set-point moves, or the pressure has not settled since
+  bool moving_ = false;  // the set-point is moving, or the pressure has not settled since
 };
 
 }  // namespace tactbench::bench

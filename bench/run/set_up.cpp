@@ -70,7 +70,7 @@ void check_scanner(const RunRequest& request, const std::string& serial) {
   throw devices::Fault("TB-SCANNER-SERIAL", "tactile scanner",
                        fmt::format("scanner '{}' answers, but sensor '{}' is registered with scanner '{}'", serial,
                                    request.sensor.serial, request.sensor.scanner_serial),
-                       "connect the registered scanner, or register the pair as a sensor of its own: swapped read-out "
+                       "connect the registered scanner, or register the pair as a separate sensor: swapped read-out "
                        "electronics change the calibration");
 }
 

@@ -18,10 +18,10 @@ namespace tactbench::bench {
 class StatusBoard;
 
 void record_environment(Rig& rig, Recorder& recorder);  // one event per sensor
-// Throws Fault TB-SCANNER-SERIAL when the scanner is not the one that the sensor is registered with.
+// Throws Fault TB-SCANNER-SERIAL if the scanner is not the one registered with the sensor.
 void check_scanner(const RunRequest& request, const std::string& serial);
-// Warm-up by the first recipe's criterion, then seating; each a stored check. Throws Error TB-SEATING and what the
-// sequencer throws; after Suspended it may be called again.
+// Warm-up by the first recipe's criterion, then seating; each stored as a check. Throws Error TB-SEATING and the
+// exceptions of the sequencer; after Suspended it may be called again.
 void prepare_sensor(Sequencer& sequencer, Recorder& recorder, const db::RunStore& store, const RunRequest& request,
                     const UnloadedFrame& baseline, StatusBoard& board);
 
@@ -30,10 +30,10 @@ void prepare_sensor(Sequencer& sequencer, Recorder& recorder, const db::RunStore
 class Rig;
 
 // Both do nothing without a file, and on a rig that is not simulated in this process. Throw Error TB-SPECIMEN-STATE.
-void load_specimen(Rig& rig, const std::string& file);  // if it exists
+void load_specimen(Rig& rig, const std::string& file);  // reads the file if it exists
 void save_specimen(Rig& rig, const std::string& file);
 
-// A rig simulated in this process gets the recipe's object on its stage.
+// Adds the recipe's object to the stage of a rig simulated in this process.
 BenchConfig with_object(BenchConfig bench, const std::vector<sequences::Recipe>& recipes);
 
 }  // namespace tactbench::bench

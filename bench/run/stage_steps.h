@@ -14,9 +14,9 @@
 
 namespace tactbench::bench {
 
-// Of the bench, its limits and the recipe.
+// Options from the bench, its limits and the recipe.
 PressOptions press_options(const BenchConfig& config, const sequences::Recipe& recipe);
-// What in the recipe does not fit bench and force sensor, overshoot included (press_preflight.h); empty: it fits.
+// Conflicts of the recipe with bench and force sensor, including the overshoot (press_preflight.h); empty: none.
 // Requires a bench with stage and force sensor.
 std::vector<std::string> press_complaints(const sequences::Recipe& recipe, const BenchConfig& config,
                                           const std::array<double, 6>& force_range);
@@ -27,7 +27,7 @@ class StageSteps {
   // Opens stage and force sensor at the first step. Throws Fault, RunEndRequested, PathBroken (a level was overshot),
   // and Error TB-BENCH-NO-STAGE when the bench has none.
   void carry_out(const sequences::Step& step, const sequences::Recipe& recipe);
-  // To be called after the rig was made safe: nothing is in contact any more.
+  // To be called after the rig was made safe, when there is no contact any more.
   void forget();
   // Registration from the touches so far; stored as a check of kind "mount". Throws Fault TB-MOUNT-*.
   void register_mount(double pitch_mm, const std::vector<double>& baseline);

@@ -1,6 +1,6 @@
-// Estimates a run's working time and the time left: learned from completed runs of the same recipes on the same bench,
-// or, without such runs, from the model of sequences/estimate.h. Always a band. Waiting for people and conditions is
-// not included (lost_time.h); prompts are counted separately.
+// Estimates a run's working time and the time left: from completed runs of the same recipes on the same bench or, if
+// there are none, from the model of sequences/estimate.h. Always a band. Waiting for people and conditions is not
+// included (lost_time.h); prompts are counted separately.
 #pragma once
 
 #include <array>
@@ -17,16 +17,16 @@
 
 namespace tactbench::bench {
 
-// The bench's part of the model.
+// The bench's parameters of the model.
 sequences::TimeModel time_model(const BenchConfig& bench);
 
-struct TimeBand {  // a tenth of the runs is expected to be shorter than p10, a tenth longer than p90
+struct TimeBand {  // 10 % of the runs are expected to be shorter than p10, 10 % longer than p90
   double p10_s = 0.0, p50_s = 0.0, p90_s = 0.0;
-  int runs = 0;     // smallest number of runs learned from, over the recipes; 0: at least one is by the model
+  int runs = 0;     // number of past runs used, the smallest over the recipes; 0: at least one recipe uses the model
   int prompts = 0;  // to the operator, not included
 };
 
-// Of a run with that many frames that count: the step with which its first branch that is not complete begins.
+// For a run with so many valid frames: the step at which its first incomplete branch begins.
 std::size_t steps_done(const std::vector<sequences::Step>& steps, std::int64_t frames);
 
 class TimeEstimate {
@@ -34,9 +34,9 @@ class TimeEstimate {
   TimeEstimate(const std::vector<sequences::Recipe>& recipes, const std::vector<sequences::Step>& steps,
                const sequences::TimeModel& model);
 
-  // Replaces the model by what `store` holds: completed runs of bench `bench_id` with the same recipe text and the same
-  // recipe overrides. `remaining_too`: also learns how time passed within the runs, which takes some milliseconds more;
-  // without it remaining() follows the model's course. Throws StoreError.
+  // Replaces the model by the data of `store`: completed runs of bench `bench_id` with the same recipe text and the
+  // same recipe overrides. `remaining_too`: also learns how time passed within the runs, which takes some milliseconds
+  // more; without it remaining() follows the model. Throws StoreError.
   void learn(const db::RunStore& store, const std::string& bench_id, const std::vector<sequences::Override>& overrides,
              bool remaining_too);
 
@@ -59,11 +59,12 @@ class TimeEstimate {
   [[nodiscard]] TimeBand of_part(const Part& part, std::size_t steps_done) const;
   [[nodiscard]] TimeBand sum(std::size_t first_part, std::size_t last_part, std::size_t steps_done) const;
   std::vector<Part> parts_;
-  std::vector<double> frames_done_;        // before each step, within its recipe; fractions between two frames
+  std::vector<double>
+      frames_done_;  // number of frames before each step, within its recipe; fractions between two frames
   std::vector<sequences::StepTime> left_;  // by the model, from each step to its recipe's end
 };
 
-// Breakdown of a run's process time, printed and stored at its end.
+// Breakdown of a run's process time, printed and stored at the end of the run.
 
 enum class Spent { kSetup, kConditioning, kMoving, kSettling, kDwelling, kReading, kRedoing, kWaiting, kTeardown };
 inline constexpr std::size_t kSpentKinds = 9;

@@ -104,7 +104,7 @@ class Server {
   }
 
  private:
-  // In a thread of its own: an exchange that times out must not delay the answers to the sequencer.
+  // In a separate thread: an exchange that times out must not delay the answers to the sequencer.
   void keep_reading() {
     const Nanoseconds pause = poll_interval(config_);
     for (bool blind = false;;) {
@@ -222,7 +222,7 @@ class Server {
 
 // So that a busy computer does not look like a dead one: in real time where that is allowed (`ulimit -r`), else with a
 // higher priority. The latter is not enough by itself: Linux shares a busy processor among sessions first (autogroup),
-// and this process is one of its own.
+// and this process is a session of its own.
 void raise_priority() {
   const sched_param lowest{.sched_priority = 1};
   if (::sched_setscheduler(0, SCHED_RR, &lowest) != 0) (void)::setpriority(PRIO_PROCESS, 0, -10);

@@ -1,5 +1,5 @@
 // The dead-man's own process: `tactbench dead-man`, started only by dead_man_process.h. Watches the sequencer's signs
-// of life; when they stop it vents, opens the dump valve, stops the stage, backs z off, proves all this by readings,
+// of life; when they stop, it vents, opens the dump valve, stops the stage, backs z off, proves all this by readings,
 // records it on standard error and next to the bench's trip file, and ends.
 #pragma once
 

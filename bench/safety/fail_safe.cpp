@@ -18,10 +18,10 @@ std::vector<std::string> fail_safe_layers(const BenchConfig& config, PressureUni
                                     unit.short_text(config.limits.trip_psi)};
   if (!config.in_process && config.dead_man.enabled) {
     lines.push_back(fmt::format(
-        "dead-man in a process of its own: fires when the program ends, is stopped for {:g} ms or makes no progress "
+        "dead-man in a separate process: fires when the program ends, is stopped for {:g} ms or makes no progress "
         "for {:g} ms; vents over {}{}{}",
         1000.0 * config.dead_man.timeout_s, 1000.0 * config.dead_man.progress_s,
-        on_serial_line(config) ? "the same serial line, which it opens then" : "its own connection",
+        on_serial_line(config) ? "the same serial line, which it then opens" : "its own connection",
         config.stage ? fmt::format(", stops the stage and backs z off by {:g} mm", config.dead_man.back_off_mm) : "",
         on_serial_line(config)       ? ""  // one line, which the sequencer reads
         : config.dead_man.blind_ends ? "; if it can no longer reach the module the run ends"

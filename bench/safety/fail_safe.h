@@ -9,11 +9,11 @@
 
 namespace tactbench::bench {
 
-// One line per layer, fastest first. Never empty: a source without any gets a line that says so.
+// One line per layer, fastest first. Never empty: a source without any layer gets a line that says so.
 std::vector<std::string> fail_safe_layers(const BenchConfig& config,
                                           analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
 
-// What becomes of the set-point when nothing reaches the pressure source any more: "its watchdog (1000 ms) sets 0 V,
+// What happens to the set-point when the pressure source is no longer reachable: "its watchdog (1000 ms) sets 0 V,
 // ...".
 std::string when_source_is_lost(const BenchConfig& config, analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
 

@@ -46,7 +46,7 @@ class Retraction {
     const bool free = proof.force_n && is_safe(*proof.force_n);
     proof.verified = clear && free;
     const char* head = proof.verified               ? "retracted, verified"
-                       : proof.force_n && !free     ? "NOT SAFE: a force stands on the indenter"
+                       : proof.force_n && !free     ? "NOT SAFE: there is a force on the indenter"
                        : clear && force_ != nullptr ? "retracted, NOT verified: no force reading"
                        : clear                      ? "retracted, NOT verified: no force sensor"
                                                     : "retraction NOT verified";
@@ -60,7 +60,7 @@ class Retraction {
  private:
   [[nodiscard]] bool is_safe(double force_n) const { return force_n < options_.safe_force_n; }  // NaN is not
 
-  // Moves z to `to_mm` unless it is further away; returns where it then stands.
+  // Moves z to `to_mm` unless it is further away; returns its final position.
   double go_up(double to_mm) {
     const double way_mm = stage_.state(Axis::kZ).position.value() - to_mm;
     if (way_mm > kArrivedMm) {

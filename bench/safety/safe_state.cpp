@@ -51,7 +51,7 @@ class FedWait {
   int failures_ = 0;
 };
 
-// One instrument's reading of the chamber, as the guard sees it. Whatever befalls it, the other's stands.
+// One instrument's reading of the chamber, as the guard sees it. A failure of one does not affect the other.
 struct Witness {
   const char* name;
   const PressureWitness& seen;
@@ -155,7 +155,7 @@ std::optional<bool> array_back(Rig& rig, const UnloadedFrame& baseline) {
 void contradict_by_array(Rig& rig, const UnloadedFrame& baseline, SafeProof& proof) {
   if (array_back(rig, baseline).value_or(true)) return;
   proof.state = db::SafeState::kUnverified;
-  proof.text += "; NOT verified: the tactile array is still loaded, so one of the witnesses is wrong";
+  proof.text += "; NOT verified: the tactile array is still loaded, so one of the pressure instruments is wrong";
 }
 
 SafeProof prove(Rig& rig, const UnloadedFrame& baseline) {
@@ -197,7 +197,7 @@ SafeProof prove(Rig& rig, const UnloadedFrame& baseline) {
                      : proof.state == db::SafeState::kFailed ? "NOT SAFE: pressure remains"
                                                              : "vent NOT verified";
   const std::string order =
-      ordered ? "" : "the pressure source did not take the order: " + when_source_is_lost(config) + "; ";
+      ordered ? "" : "the pressure source did not accept the command:  " + when_source_is_lost(config) + "; ";
   proof.text = fmt::format("{} ({}", head, order);
   proof.text.add(told) += ")";
   if (!verified) proof.text += "; read a hand gauge before the chamber is opened";
@@ -206,7 +206,7 @@ SafeProof prove(Rig& rig, const UnloadedFrame& baseline) {
   return proof;
 }
 
-// Where 0 V is no vent, a module that is lost after the proof loads the chamber again.
+// If 0 V does not vent, a module that is lost after the proof loads the chamber again.
 void warn_of_lost_module(Rig& rig, SafeProof& proof) {
   const BenchConfig& config = rig.config();
   if (zero_volt_vents(config)) return;

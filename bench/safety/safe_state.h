@@ -1,5 +1,5 @@
 // Brings the bench to the safe state and proves it (docs/rules.md): vented, and pressure below the safe limit by two
-// witnesses. What cannot be proved is reported unverified.
+// independent readings. A state that cannot be proved is reported as unverified.
 #pragma once
 
 #include <string>
@@ -13,16 +13,16 @@ namespace tactbench::bench {
 
 struct SafeProof {
   db::SafeState state = db::SafeState::kUnverified;
-  analysis::PressureText text;  // for people: "vented, verified (feedback 0.0 psi, reference 0.1 psi)"
+  analysis::PressureText text;  // text: "vented, verified (feedback 0.0 psi, reference 0.1 psi)"
 };
 
-// The frame of the unloaded array taken before the first load, mean counts per taxel; empty when there was none.
+// The frame of the unloaded array taken before the first load, mean counts per taxel; empty if there was none.
 using UnloadedFrame = std::vector<double>;
 UnloadedFrame unloaded_frame_of(const devices::ScanSet& scans);
 
-// Vents, then retracts z where the stage was used, then reads the tactile array, if there is one: it may contradict the
-// pressures. Bounded by 10 s, 1.5 times SafetyLimits::vent_timeout_s and the module's watchdog (in process time), the
-// travel of z home, and a few link timeouts.
+// Vents, then retracts z if the stage was used, then reads the tactile array, if there is one, because it may
+// contradict the pressures. The time is bounded by 10 s, 1.5 times SafetyLimits::vent_timeout_s and the module's
+// watchdog (in process time), the travel of z home, and a few link timeouts.
 SafeProof make_safe(Rig& rig, const UnloadedFrame& baseline) noexcept;
 
 }  // namespace tactbench::bench

@@ -122,9 +122,9 @@ SelfcheckLines check_models() {
     const HysteresisModel& model = *known.model;
     const std::string name = kind.name;
     const std::vector<double> inputs(kKnownInputs.begin(), kKnownInputs.end());
-    lines.push_back(
-        checked("model", name + ": outputs at 0, 30, 60, 30, 10, 40 psi", "those of another program, within 1e-12 V",
-                [&] { return within(largest_difference(predict(model, inputs), known.volts), 1e-12, "V"); }));
+    lines.push_back(checked(
+        "model", name + ": outputs at 0, 30, 60, 30, 10, 40 psi", "equal to those of another program, within 1e-12 V",
+        [&] { return within(largest_difference(predict(model, inputs), known.volts), 1e-12, "V"); }));
     const std::vector<double> way = walk_along({0, 44, 6, 38, 12, 54, 2, 26, 16, 60}), volts = predict(model, way);
     lines.push_back(
         checked("model", name + ": its inverse along other turns", "the same outputs again, within 1e-9 V",

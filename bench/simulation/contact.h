@@ -1,6 +1,6 @@
 // Contact mechanics of the second platform: an object under the z stage presses through a fabric layer on the array.
-// Pure physics in process time; equations in bench/simulation/README.md. Invented constants but for the array's pitch,
-// not compared with hardware.
+// Pure physics in process time; equations in bench/simulation/README.md. Except for the array's pitch, the constants
+// are invented and not compared with hardware.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@ struct ContactState {
   bool placed = false;
   double tip_mm = 0.0;                // z of the object
   double friction = 0.0;              // -1 unloading .. 1 loading
-  std::array<double, 2> relaxed_n{};  // what the fabric has given in to
+  std::array<double, 2> relaxed_n{};  // force lost by relaxation of the fabric
   double force_n = 0.0;               // on the specimen, 0 or more
 };
 
@@ -22,9 +22,9 @@ class Contact {
  public:
   // Throws std::invalid_argument for an object without an area.
   Contact(const ContactOptions& options, int rows, int columns);
-  // The z stage comes to `z_mm` and stays there for `seconds` (>= 0).
+  // The z stage moves to `z_mm` and stays there for `seconds` (>= 0).
   void advance(ContactState& state, double z_mm, double seconds) const;
-  // True: nothing happens as long as z stays.
+  // True: the state does not change as long as z stays.
   [[nodiscard]] bool quiet(const ContactState& state) const;
   // Pressure on each taxel, rows x columns, row-major, for 1 N with the stage at x, y: with the whole object on the
   // array, the sum of pressure times pitch^2 is 1 N. Columns grow along x, rows along y. Valid until the next call.
@@ -32,7 +32,7 @@ class Contact {
   [[nodiscard]] const ContactOptions& options() const { return options_; }
 
  private:
-  [[nodiscard]] double density(double distance_mm) const;  // relative pressure so far from the object's axis
+  [[nodiscard]] double density(double distance_mm) const;  // relative pressure at this distance from the object's axis
   ContactOptions options_;
   int rows_, columns_;
   double whole_mm2_ = 0.0;  // integral of density() over the plane

@@ -1,5 +1,5 @@
 // Counter-based random numbers of the simulation: the same key and counter give the same number on every platform,
-// in any order of asking. Used for the sensor's make (sensor seed) and for all noise (seed).
+// in any order of calls. Used for the constants of the sensor (sensor seed) and for all noise (seed).
 #pragma once
 
 #include <algorithm>
@@ -33,13 +33,13 @@ constexpr double bell_of(std::uint64_t hash) {
   return (static_cast<double>(sum) - 131070.0) * (1.0 / 37837.2272372);
 }
 
-// What one taxel's constants are drawn from, one after another.
+// The random stream from which one taxel's constants are drawn in order.
 class Scatter {
  public:
   explicit Scatter(std::uint64_t key) : key_(key) {}
   // Mean 0, standard deviation 1 before it is truncated.
   double normal() { return std::clamp(bell_of(hash_of(key_, 0, drawn_++)), -2.1, 2.1); }
-  // `spread` is of the logarithm.
+  // `spread`: standard deviation of the logarithm.
   double around(double usual, double spread) { return usual * std::exp(spread * normal()); }
 
  private:

@@ -18,27 +18,29 @@ namespace tactbench::bench {
 
 enum class Instrument { kModule, kController, kStage, kForce, kScanner };
 
-// Thread-safe; makes no calls outside.
+// Thread-safe; calls no other code.
 class Faults {
  public:
   explicit Faults(const std::vector<PlannedFault>& planned);
-  // Begins now, whatever starts it.
+  // Starts the fault now, whatever its condition is.
   void inject(const PlannedFault& fault, devices::Nanoseconds now);
-  void clear(FaultKind kind, devices::Nanoseconds now);  // ends it; what is planned for later stays planned
-  // Load at `time`: starts what waits for it. Times never go backward.
+  void clear(FaultKind kind, devices::Nanoseconds now);  // ends an active fault; planned later ones stay planned
+  // Reports the load at `time`: starts the faults that wait for it. `time` must not decrease.
   void load(double psi, double newtons, devices::Nanoseconds time);
-  [[nodiscard]] bool any() const { return any_.load(std::memory_order_relaxed); }  // none ever so far, when false
-  // Its value while it is in force.
+  [[nodiscard]] bool any() const {
+    return any_.load(std::memory_order_relaxed);
+  }  // false: no fault has been active so far
+  // The fault's value while it is active.
   [[nodiscard]] std::optional<double> active(FaultKind kind, devices::Nanoseconds time) const;
-  // The same, and counts as one of its times.
+  // The same, and counts as one of its `times`.
   std::optional<double> take(FaultKind kind, devices::Nanoseconds time);
-  // How the instrument's reply to a request at `time` is corrupted; counts as one of its times.
+  // How the instrument's reply to a request at `time` is corrupted; counts as one of its `times`.
   devices::InjectedFault injected(Instrument instrument, devices::Nanoseconds time);
   struct Window {
     std::optional<devices::Nanoseconds> from, until;
     double value = 0.0;
   };
-  [[nodiscard]] Window last(FaultKind kind, devices::Nanoseconds time) const;  // that began by then
+  [[nodiscard]] Window last(FaultKind kind, devices::Nanoseconds time) const;  // faults that have begun by then
 
  private:
   struct Entry {

@@ -1,5 +1,5 @@
-// Coupling between neighbouring taxels, in row and column and diagonally, each link drawn by the sensor's seed: the
-// harsh film's electrical coupling, the skin of the foam.
+// Coupling between neighbouring taxels, in row, column and diagonal, each link drawn by the sensor's seed: used for the
+// harsh film's electrical coupling and for the skin of the foam.
 #pragma once
 
 #include <cstdint>
@@ -12,10 +12,10 @@ namespace tactbench::bench {
 
 class NeighbourLinks {
  public:
-  // `beside`, `corner`: the mean share of a link in row or column, and of a diagonal one; each differs by up to half of
-  // it. `stream`: of the sensor's seed.
+  // `beside`, `corner`: the mean share of a link in row or column, and of a diagonal one; each link differs from it by
+  // up to half. `stream`: of the sensor's seed.
   NeighbourLinks(const SpecimenOptions& options, std::uint64_t stream, double beside, double corner);
-  // Neighbours draw each other's values together.
+  // Moves the values of neighbours toward each other.
   void couple(std::span<double> values) const;
 
  private:

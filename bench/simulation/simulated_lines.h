@@ -13,12 +13,13 @@ namespace tactbench::bench {
 
 class SimulatedLines {
  public:
-  // Starts the servers and writes where they are into the endpoints of `config`. Both outlive this. Throws Fault.
+  // Starts the servers and writes their addresses into the endpoints of `config`. Plant and clock must outlive this.
+  // Throws Fault.
   SimulatedLines(BenchConfig& config, Plant& plant, const devices::Clock& clock);
   // In addition to the lines of the bench file: Waveshare's output module (unit 1, channel 0) and input module (unit 2,
-  // feedback on channel 0, reference on 1) on a serial line, on the same plant; whoever writes last drives it.
+  // feedback on channel 0, reference on 1) on a serial line, on the same plant; the last write drives the regulator.
   void serve_waveshare(Plant& plant, const devices::Clock& clock);
-  // "Modbus TCP 127.0.0.1:1502, unit 1: Beckhoff EK9000 + EL4xxx/EL3xxx", one a line.
+  // "Modbus TCP 127.0.0.1:1502, unit 1: Beckhoff EK9000 + EL4xxx/EL3xxx", one per line.
   [[nodiscard]] const std::vector<std::string>& descriptions() const { return descriptions_; }
 
  private:

@@ -1,5 +1,6 @@
-// The whole simulated rig: one plant, and simulated instruments for all entries of a bench file, each on a real wire. A
-// bench of origin "simulated" has it in its own process; `tactbench simulate` serves it to any client.
+// The whole simulated rig: one plant, and simulated instruments for all entries of a bench file, each with a real
+// connection (socket or pseudo-terminal). A bench of origin "simulated" has it in its own process; `tactbench simulate`
+// serves it to any client.
 #pragma once
 
 #include <memory>
@@ -16,9 +17,9 @@ namespace tactbench::bench {
 
 class SimulatedRig {
  public:
-  // Starts the ends that `config` names and writes where they are into it. `clock` outlives this. `free_running`: the
-  // clock runs by itself, and instruments say unasked what the real ones do. Throws Fault, Error
-  // TB-FOLDER-UNSAFE.
+  // Starts the simulated instruments of `config` and writes their addresses into it. `clock` must outlive this.
+  // `free_running`: the clock runs by itself, and instruments send the same unsolicited data as the real ones. Throws
+  // Fault, Error TB-FOLDER-UNSAFE.
   SimulatedRig(BenchConfig& config, const devices::Clock& clock, bool free_running);
   ~SimulatedRig();
   SimulatedRig(const SimulatedRig&) = delete;

@@ -1,7 +1,7 @@
-// The simulated sensor: 16 x 16 piezoresistive taxels outside every class of model that is fitted (rate-dependent,
-// creeping, non-congruent minor loops, first-cycle conditioning), so that no fit is judged on its own model; the harsh
-// one (specimen_harsh.h) is farther from them, the foam (specimen_foam.h) has other physics. Equations and measured
-// figures: bench/simulation/README.md. Pure physics in process time: no wire, no clock, no thread.
+// The simulated sensor: 16 x 16 piezoresistive taxels. Its behaviour (rate dependence, creep, non-congruent minor
+// loops, first-cycle conditioning) is outside every class of model that is fitted, so that no fit is judged on its own
+// model. The harsh specimen (specimen_harsh.h) deviates more; the foam (specimen_foam.h) has other physics. Equations
+// and measured figures: bench/simulation/README.md. Pure physics in process time: no wire, no clock, no thread.
 #pragma once
 
 #include <cstdint>
@@ -16,31 +16,32 @@ namespace tactbench::bench {
 
 class Specimen {
  public:
-  // Throws std::invalid_argument for a defect outside the array, a shape that is not positive, or a turn that a
-  // non-square array cannot make.
+  // Throws std::invalid_argument for a defect outside the array, a shape that is not positive, or a turn that is
+  // impossible for a non-square array.
   explicit Specimen(const SpecimenOptions& options);
   ~Specimen();
   Specimen(const Specimen&) = delete;
   Specimen& operator=(const Specimen&) = delete;
 
-  // Holds the chamber at `pressure_psi` for `seconds` (> 0): plays, creep and conditioning move. The result of a ramp
-  // depends on how finely it is cut into calls; Plant cuts it the same way every time.
-  // `contact_psi`, one value per taxel or empty, is what an object adds to the chamber's pressure: it does not pass the
-  // membrane, and does not condition the film, which takes a load on the whole array.
+  // Holds the chamber at `pressure_psi` for `seconds` (> 0): updates plays, creep and conditioning. The result of a
+  // ramp depends on how finely it is divided into calls; Plant always divides it in the same way. `contact_psi`, one
+  // value per taxel or empty, is the pressure of an object, added to the chamber's: it does not pass through the
+  // membrane, and does not condition the film, which needs a load on the whole array.
   void advance(double pressure_psi, double seconds, std::span<const double> contact_psi = {});
-  // Output voltages now, rows x columns row-major, defects and crosstalk included, noise not.
+  // Present output voltages, rows x columns row-major, with defects and crosstalk, without noise.
   void output(std::span<double> volts) const;
-  // What output() would give after advance() with these, the memory left as it is. seconds >= 0.
+  // The result of output() after advance() with these arguments, without changing the memory. seconds >= 0.
   void output_after(double pressure_psi, double seconds, std::span<double> volts,
                     std::span<const double> contact_psi = {}) const;
   // Extra noise of taxel i (kNoisy), standard deviation in volts.
   [[nodiscard]] double noise_v(int taxel) const;
-  // White noise of one sample, standard deviation 1: bounded but in the harsh specimen, heavy-tailed there.
+  // White noise of one sample, standard deviation 1: heavy-tailed in the harsh specimen, bounded in the others.
   [[nodiscard]] double white_noise(std::uint64_t hash) const;
-  // Adds the film's own noise at `time_s` of process time to outputs: 1/f in the harsh specimen, none in the others.
+  // Adds the film's own noise at `time_s` of process time to outputs: 1/f noise in the harsh specimen, none in the
+  // others.
   void add_film_noise(double time_s, std::span<double> volts) const;
-  // The memory of the film as text (JSON), and back: --specimen-state. Throws std::invalid_argument, also for the
-  // state of another sensor; the memory is then untouched.
+  // The memory of the film as text (JSON), and back: --specimen-state. Throws std::invalid_argument, also for the state
+  // of another sensor; the memory is then unchanged.
   [[nodiscard]] std::string state() const;
   void set_state(const std::string& text);
   [[nodiscard]] const SpecimenOptions& options() const;

@@ -17,15 +17,16 @@ namespace tactbench::bench {
 inline constexpr int kFrictionElements = 6;
 inline constexpr int kCreepTimes = 4;
 
-// The film's process: the same for every sensor. The constants from kRestCentre to kSensitivityExponent were found by a
-// random search (12000 trials, step sizes adapted) for the paper's figures on sensor seeds 1 to 5 at once: hysteresis
-// of the mean taxel 25.3 % FS max and 10.0 % mean, full scale 3.49 V, a fall of 1.4 % FS from 60 to 50 psi, the
-// thirteen cells of Table 6, and loosely the paper's outer curves. The others were set by hand.
+// Constants of the film's manufacturing process: the same for every sensor. The constants from kRestCentre to
+// kSensitivityExponent were found by a random search (12000 trials, step sizes adapted) for the paper's figures on
+// sensor seeds 1 to 5 at once: hysteresis of the mean taxel 25.3 % FS max and 10.0 % mean, full scale 3.49 V, a fall
+// of 1.4 % FS from 60 to 50 psi, the thirteen cells of Table 6, and loosely the paper's outer curves. The others were
+// set by hand.
 namespace film {
 // Friction elements: half-open plays [q, q + width * friction(q)]; widths in units of the local friction.
 inline constexpr std::array<double, kFrictionElements> kWidths = {0.0, 0.35, 0.7, 1.1, 1.6, 2.3};
-// Shares of the elements in the contact pressure: Gaussian bumps over the widths, one for a film at rest, one for a
-// film whose widest element is far displaced.
+// Shares of the elements in the contact pressure: Gaussian functions of the width, one for a film at rest, one for a
+// film with a far displaced widest element.
 inline constexpr double kRestCentre = -0.48;
 inline constexpr double kRestSpread = 0.88;
 inline constexpr double kDisplacedCentre = 2.41;
@@ -57,11 +58,11 @@ inline constexpr double kCreepSpread = 0.2;
 inline constexpr std::array<double, kCreepTimes> kCreepSeconds = {0.5, 4.0, 32.0, 256.0};
 inline constexpr std::array<double, kCreepTimes> kCreepShares = {0.016, 0.015, 0.013, 0.009};
 inline constexpr double kCreepHalfPsi = 6.0;
-// Membrane: a share of the pressure reaches the film late.
+// Membrane: a share of the pressure reaches the film with a delay.
 inline constexpr double kLagSeconds = 1.2;
 inline constexpr double kLagShare = 0.07;
 inline constexpr double kLagSpread = 0.25;
-// First cycles: what is left of the virgin film decays by exp(-kConditioningRate) with each load to 60 psi.
+// First cycles: the virgin film's remaining effect decays by exp(-kConditioningRate) with each load to 60 psi.
 inline constexpr double kConditioningRate = 2.0;
 inline constexpr double kVirginGainLoss = 0.07;
 inline constexpr double kVirginFriction = 0.25;
@@ -73,7 +74,7 @@ inline constexpr double kReferenceCelsius = 23.0;
 
 struct FilmMake {
   std::vector<double> amplitude_v, sensitivity, exponent, friction, lift_off_psi, zero_v, creep, lag_share;
-  std::vector<double> age_drift;  // standard normal: gain drift by age
+  std::vector<double> age_drift;  // gain drift with age, standard normal
   std::array<double, kFrictionElements> rest_share{}, displaced_share{};
 };
 
@@ -83,20 +84,21 @@ FilmMake make_film(const SpecimenOptions& options);
 // Shares of the friction elements, adding up to 1: a Gaussian bump over their widths.
 std::array<double, kFrictionElements> element_shares(double centre, double spread);
 
-// Local over chamber pressure, one value per taxel of the film: non-uniformity, tilt, mount, edge outside the membrane.
+// Ratio of local to chamber pressure, one value per taxel of the film: non-uniformity, tilt, mount, edge outside the
+// membrane.
 std::vector<double> shares_of_chamber(const SpecimenOptions& options);
-// Which taxel of the film each taxel of the scanner reads; throws std::invalid_argument.
+// The film's taxel that each taxel of the scanner reads; throws std::invalid_argument.
 std::vector<std::size_t> turned_wiring(const SpecimenOptions& options);
 
 struct FilmMemory {
   std::array<std::vector<double>, kFrictionElements> plays;  // psi, per taxel
   std::vector<std::vector<double>> creep;                    // 0..1, by relaxation time and taxel
   double pressure_psi = 0.0;                                 // chamber, last advance
-  double lag_psi = 0.0;                                      // what has come through the membrane
+  double lag_psi = 0.0;                                      // pressure that has passed through the membrane
   double virgin = 1.0;                                       // 1 new, 0 conditioned
-  double travel_psi = 0.0;                                   // loading travel so far
-  HarshMemory harsh;                                         // empty in the others
-  FoamMemory foam;                                           // has only this
+  double travel_psi = 0.0;                                   // sum of all pressure rises so far
+  HarshMemory harsh;                                         // empty for other films
+  FoamMemory foam;                                           // the foam's only memory
 };
 
 struct Specimen::Film {

@@ -1,5 +1,4 @@
-// The error type of db/fleet/: what went wrong between a bench and the fleet's PostgreSQL, with an identifier
-// TB-FLEET-*.
+// The error type of db/fleet/: a failure between a bench and the fleet's PostgreSQL, with an identifier TB-FLEET-*.
 #pragma once
 
 #include <stdexcept>
@@ -11,8 +10,8 @@ namespace tactbench::db::fleet {
 // The kind of failure; the exit code depends only on this.
 enum class FleetCause {
   kLink,   // the server cannot be reached, refuses the login, or was lost: try again later
-  kStore,  // the fleet cannot take or give the data: its schema, its disk, its rights, or a difference in content
-  kUsage,  // what was named is not there, or the command is wrong; nothing was touched
+  kStore,  // the fleet cannot store or return the data: schema, disk, rights, or a difference in content
+  kUsage,  // a named object does not exist, or the command is wrong; nothing was changed
 };
 
 class FleetError : public std::runtime_error {

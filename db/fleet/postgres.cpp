@@ -37,7 +37,7 @@ struct Libpq {
     const auto find = [&](const char* name) {
       if (void* const found = library != nullptr ? dlsym(library, name) : nullptr) return found;
       throw FleetError(FleetCause::kUsage, "TB-FLEET-BUILD", fmt::format("libpq cannot be loaded: {}", dlerror()),
-                       "install libpq5; all but the fleet works without it");
+                       "install libpq5; everything except the fleet works without it");
     };
 #define TACTBENCH_FIND(name) name = reinterpret_cast<decltype(name)>(find(#name));
     TACTBENCH_LIBPQ(TACTBENCH_FIND)
@@ -72,7 +72,7 @@ std::string trimmed(std::string text) {
 // With SQLSTATE where the server gave one, since its words may be in any language.
 [[noreturn]] void fail_connect(const std::string& where, const std::string& all, bool needs_password = false) {
   const std::string said = all.substr(0, all.find(" LOCATION: "));  // the first attempt, without the server's source
-  // Names stand in quotes: a host or a folder may have SSL in its own.
+  // Skips quoted names: the name of a host or folder may contain SSL.
   const std::string unnamed = std::regex_replace(said, std::regex("\"[^\"]*\""), "\"\"");
   std::smatch found;
   const bool coded = std::regex_search(unnamed, found, std::regex(": +([0-9][0-9A-Z]{4}): "));
@@ -85,10 +85,10 @@ std::string trimmed(std::string text) {
         FleetCause::kLink, "TB-FLEET-TLS", fmt::format("fleet {}: no trusted connection: {}", where, said),
         "the certificate may be expired, of another name, or by an authority that sslrootcert does not name: "
         "openssl s_client -starttls postgres -connect HOST:PORT shows it and its dates. A server without TLS is "
-        "reached with sslmode=disable alone, and whoever reads the line then has the password");
-  throw FleetError(
-      FleetCause::kLink, "TB-FLEET-CONNECT", fmt::format("fleet {}: cannot be reached: {}", where, said),
-      "check host, port and database, and that the server runs; the bench goes on, and a later push brings everything");
+        "reached only with sslmode=disable, and anyone who reads the traffic then has the password");
+  throw FleetError(FleetCause::kLink, "TB-FLEET-CONNECT", fmt::format("fleet {}: cannot be reached: {}", where, said),
+                   "check host, port and database, and that the server runs; the bench continues, and a later push "
+                   "sends everything");
 }
 
 constexpr const char* kTlsMode = "PGSSLMODE";
@@ -104,7 +104,7 @@ bool goes_elsewhere(const PQconninfoOption* options) {
   };
   const std::string host = value("hostaddr").empty() ? value("host") : value("hostaddr");
   const bool several = host.find(',') != std::string::npos;
-  if (host.empty()) return !value("service").empty();  // a socket, but for what a service names
+  if (host.empty()) return !value("service").empty();  // a socket, unless a service names a host
   return several || (host[0] != '/' && host[0] != '@' && host != "localhost" && host != "127.0.0.1" && host != "::1");
 }
 
@@ -125,12 +125,12 @@ struct Link::State {
 
   [[noreturn]] void fail_answer(const std::string& what) const {
     throw FleetError(FleetCause::kLink, "TB-FLEET-ANSWER",
-                     fmt::format("fleet {}: the server answers what PostgreSQL does not: {}", where, what),
-                     "check that host and port are those of the fleet's PostgreSQL; nothing of the answer was used");
+                     fmt::format("fleet {}: the server does not answer as PostgreSQL does: {}", where, what),
+                     "check that host and port are those of the fleet's PostgreSQL; the answer was discarded");
   }
   [[noreturn]] void fail_link(const std::string& said) const {
     throw FleetError(FleetCause::kLink, "TB-FLEET-LOST", fmt::format("fleet {}: the server was lost: {}", where, said),
-                     "push again when it is back: a run is there whole or not at all");
+                     "push again when the connection is back; no run was stored in part");
   }
   [[noreturn]] void fail_link() const { fail_link(trimmed(libpq().PQerrorMessage(handle))); }
   [[noreturn]] void fail(const PGresult* result) const;
@@ -147,7 +147,8 @@ struct Link::State {
       if (ready < 0 && errno == EINTR) continue;
       throw FleetError(FleetCause::kLink, "TB-FLEET-SILENT",
                        fmt::format("fleet {}: the server has been silent for {} s", where, silence.count()),
-                       "see whether it is overloaded or the network broken; then again: what was pushed is kept");
+                       "check whether the server is overloaded or the network is down, then repeat the command: what "
+                       "was pushed is kept");
     }
   }
   void begin() {
@@ -188,7 +189,7 @@ struct Link::State {
         fail_answer("it begins a copy");
       for (int i = 0; i < libpq().PQntuples(result.get()) && columns != nullptr; ++i) {
         if (libpq().PQnfields(result.get()) != static_cast<int>(*columns))
-          fail_answer(fmt::format("{} columns where {} were asked for", libpq().PQnfields(result.get()), *columns));
+          fail_answer(fmt::format("{} columns instead of {}", libpq().PQnfields(result.get()), *columns));
         Row& row = rows.emplace_back();
         for (int j = 0; j < static_cast<int>(*columns); ++j) {
           row.emplace_back(libpq().PQgetvalue(result.get(), i, j),
@@ -219,12 +220,13 @@ void Link::State::fail(const PGresult* result) const {
   if (state == "42501")
     throw FleetError(FleetCause::kStore, "TB-FLEET-DENIED",
                      fmt::format("fleet {}: user {} may not do this: {}", where, libpq().PQuser(handle), said),
-                     "benches log in as members of tactbench_bench, readers of tactbench_analyst; who makes the schema "
-                     "may create schemas and roles");
+                     "benches log in as members of tactbench_bench, readers of tactbench_analyst; only a user who may "
+                     "create schemas and roles can make the schema");
   if (state == "TB001")  // db/fleet/schema.cpp
-    throw FleetError(FleetCause::kStore, "TB-FLEET-OWNER", fmt::format("fleet {}: {}", where, said),
-                     "who pushed a run first adds to it alone; the database's owner can hand it over: UPDATE "
-                     "fleet.owners");
+    throw FleetError(
+        FleetCause::kStore, "TB-FLEET-OWNER", fmt::format("fleet {}: {}", where, said),
+        "only the role that pushed the run first may add to it; the database's owner can transfer it: UPDATE "
+        "fleet.owners");
   throw FleetError(FleetCause::kStore, "TB-FLEET-SQL", fmt::format("fleet {}: refused ({}): {}", where, state, said),
                    "see the server's log; nothing was changed");
 }
@@ -238,8 +240,8 @@ Link::Link(const std::string& conninfo, std::chrono::seconds silence, std::chron
   libpq().PQfreemem(wrong);
   if (options == nullptr)
     throw FleetError(FleetCause::kUsage, "TB-FLEET-CONNINFO",
-                     fmt::format("this names no fleet: {}", without_passwords(said)),
-                     "write it as psql takes it: \"host=db.lab dbname=tactile user=bench_a sslmode=verify-full\", or "
+                     fmt::format("this is not a connection string of a fleet: {}", without_passwords(said)),
+                     "write it as for psql: \"host=db.lab dbname=tactile user=bench_a sslmode=verify-full\", or "
                      "\"service=NAME\"");
   const bool tls = goes_elsewhere(options) && std::getenv(kTlsMode) == nullptr;
   libpq().PQconninfoFree(options);
@@ -305,7 +307,7 @@ std::vector<Row> Link::query(const std::string& sql, std::size_t columns, const 
 Row Link::query_row(const std::string& sql, std::size_t columns, const std::vector<std::string>& parameters,
                     std::size_t max_bytes) {
   std::vector<Row> rows = query(sql, columns, parameters, max_bytes);
-  if (rows.size() != 1) state_->fail_answer(fmt::format("{} rows where one was asked for", rows.size()));
+  if (rows.size() != 1) state_->fail_answer(fmt::format("{} rows instead of one", rows.size()));
   return std::move(rows.front());
 }
 
@@ -318,7 +320,7 @@ void Link::execute(const std::string& script) {
 std::int64_t Link::number(const std::string& text) const {
   std::int64_t value = 0;
   const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (failed != std::errc() || end != text.data() + text.size()) state_->fail_answer("a number that is none");
+  if (failed != std::errc() || end != text.data() + text.size()) state_->fail_answer("an invalid number");
   return value;
 }
 

@@ -1,6 +1,6 @@
 // A thin wrapper over libpq, the only place that includes libpq-fe.h: one connection and its statements. Every failure
 // becomes a FleetError, every wait has a deadline, and answers of the server are validated: a wrong number of rows or
-// columns, an answer without an end, or one of another kind is TB-FLEET-ANSWER.
+// columns, an answer without an end, or one of an unexpected type is TB-FLEET-ANSWER.
 #pragma once
 
 #include <chrono>
@@ -17,32 +17,32 @@ namespace tactbench::db::fleet {
 using Row = std::vector<std::string>;  // the bytes of each column; NULL as ""
 
 inline constexpr std::chrono::seconds kPatience(10);       // for connecting
-inline constexpr std::chrono::seconds kSilence(60);        // without a byte the server counts as lost
+inline constexpr std::chrono::seconds kSilence(60);        // a server that sends no byte for so long counts as lost
 inline constexpr std::size_t kMaxAnswerBytes = 256 << 20;  // bytes of one statement's rows, unless more is expected
 
 class Link {
  public:
-  // `conninfo`: as psql takes it, "host=... dbname=...", "postgresql://...", "service=...". What it does not say comes
-  // from libpq's own environment and files (PGPASSWORD, ~/.pgpass, PGSSLROOTCERT), but that no server elsewhere is
-  // spoken to without TLS where none of them names sslmode. Blocks for `patience` at most.
-  // `silence`: how long the server may send no byte while something is asked; no statement takes longer than 60 times
-  // that. TB-FLEET-CONNECT, TB-FLEET-LOGIN, TB-FLEET-TLS, TB-FLEET-CONNINFO, TB-FLEET-BUILD.
+  // `conninfo`: as for psql: "host=... dbname=...", "postgresql://...", "service=...". Other settings come from libpq's
+  // environment and files (PGPASSWORD, ~/.pgpass, PGSSLROOTCERT); if none of them sets sslmode, a server on another
+  // machine is connected only with TLS. Blocks for at most `patience`. `silence`: how long the server may send no byte
+  // during a request; no statement may take longer than 60 times that. TB-FLEET-CONNECT, TB-FLEET-LOGIN, TB-FLEET-TLS,
+  // TB-FLEET-CONNINFO, TB-FLEET-BUILD.
   explicit Link(const std::string& conninfo, std::chrono::seconds silence = kSilence,
                 std::chrono::seconds patience = kPatience);
   ~Link();
   Link(const Link&) = delete;
   Link& operator=(const Link&) = delete;
 
-  // One statement. Values go and come as their bytes: each parameter is used as $n::text or $n::bytea, and each of the
+  // One statement. Values are transferred as bytes: each parameter is used as $n::text or $n::bytea, and each of the
   // `columns` is text or bytea. TB-FLEET-LOST, TB-FLEET-SILENT, TB-FLEET-ANSWER, TB-FLEET-FULL, TB-FLEET-DENIED,
   // TB-FLEET-OWNER, TB-FLEET-SQL.
   std::vector<Row> query(const std::string& sql, std::size_t columns, const std::vector<std::string>& parameters = {},
                          std::size_t max_bytes = kMaxAnswerBytes);
-  // The same, of a statement that gives one row.
+  // The same for a statement that returns one row.
   Row query_row(const std::string& sql, std::size_t columns, const std::vector<std::string>& parameters = {},
                 std::size_t max_bytes = kMaxAnswerBytes);
   void execute(const std::string& script);  // several statements without parameters; their rows are dropped
-  // A column that is a number. TB-FLEET-ANSWER.
+  // The value of a numeric column. TB-FLEET-ANSWER.
   [[nodiscard]] std::int64_t number(const std::string& text) const;
 
   // "tactile on db.lab:5432", for messages; without user and password.

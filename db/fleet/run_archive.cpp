@@ -16,14 +16,14 @@ namespace tactbench::db::fleet {
 std::string pack_run(const RunStore& store, std::int64_t run, const std::string& scratch) {
   const std::string path = scratch + "/packed.db";
   for (const char* ending : {"", "-wal", "-shm"}) std::filesystem::remove(path + ending);
-  // A copy checks what it copies: content, and what is sealed beside it.
+  // A copy checks the content and the sealed records that it copies.
   (void)RunStore::open(path, Durability::kNormal).copy_runs_from(store, {run});
   std::string plain(std::filesystem::file_size(path), '\0');
   if (plain.size() > kMaxStoreBytes)
     throw FleetError(FleetCause::kStore, "TB-FLEET-LARGE",
-                     fmt::format("run {} takes {} MB, and the fleet keeps runs up to {} MB", run,
+                     fmt::format("run {} has {} MB, but the fleet keeps runs up to {} MB", run,
                                  plain.size() / 1'000'000, kMaxStoreBytes / 1'000'000),
-                     "it stays in the store: take a snapshot of that (tactbench runs copy --to FILE)");
+                     "the run stays in the store; back the store up instead (tactbench runs copy --to FILE)");
   std::ifstream(path, std::ios::binary).read(plain.data(), static_cast<std::streamsize>(plain.size()));
   std::filesystem::remove(path);
   uLongf size = compressBound(plain.size());
@@ -54,8 +54,8 @@ void unpack_run(const std::string& body, const std::string& path) {
     throw StoreError("TB-STORE-FULL", fmt::format("{} could not be written", path), "free space for temporary files");
   if (!whole)
     throw FleetError(FleetCause::kStore, "TB-FLEET-CHANGED",
-                     "what was pushed of the run is no store compressed by zlib",
-                     "the bench's own store has what was measured");
+                     "the pushed data of the run are not a store compressed by zlib",
+                     "use the run in the bench's own store");
 }
 
 }  // namespace tactbench::db::fleet

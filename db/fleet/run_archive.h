@@ -10,10 +10,11 @@
 
 namespace tactbench::db::fleet {
 
-// Bytes of a run's store: about a million frames of 16 x 16 taxels. A value in PostgreSQL has less than 1 GiB.
+// Largest store of a run, in bytes: about a million frames of 16 x 16 taxels. A value in PostgreSQL is smaller than 1
+// GiB.
 inline constexpr std::size_t kMaxStoreBytes = 1'000'000'000;
 
-// `scratch`: a temporary folder that nobody else uses. Throws StoreError when the run is not what was stored,
+// `scratch`: a temporary folder that nobody else uses. Throws StoreError if the run has changed since it was stored,
 // FleetError TB-FLEET-LARGE.
 std::string pack_run(const RunStore& store, std::int64_t run, const std::string& scratch);
 // Writes the store to `path`. Throws FleetError TB-FLEET-CHANGED when `body` is not a packed run; the file is then

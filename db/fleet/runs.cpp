@@ -55,10 +55,9 @@ std::int64_t add_run(Link& link, const SentRun& run) {
   const Row back = link.query_row("SELECT uuid, content_sha256, body FROM fleet.runs WHERE revision = $1::text::bigint",
                                   3, {added.front()[1]}, run.body.size() + kMaxAnswerBytes);
   if (back[0] != run.uuid || back[1] != run.content_sha256 || sha256_hex(back[2]) != sha256)
-    throw FleetError(
-        FleetCause::kStore, "TB-FLEET-DIFFERS",
-        fmt::format("fleet {}: what came to the server of run {} is not what was sent", link.where(), run.uuid),
-        "nothing was kept there: push again, and report it when it comes again");
+    throw FleetError(FleetCause::kStore, "TB-FLEET-DIFFERS",
+                     fmt::format("fleet {}: run {} reached the server changed", link.where(), run.uuid),
+                     "nothing was stored there: push again, and report it if it recurs");
   transaction.commit();
   return link.number(added.front()[0]);
 }
@@ -73,7 +72,7 @@ FleetRun find_run_by_name(Link& link, const std::string& name) {
   if (found.size() == 1) return found.front();
   throw FleetError(FleetCause::kUsage, "TB-FLEET-NOT-FOUND",
                    fmt::format("fleet {} has {} '{}'", link.where(), found.empty() ? "no run" : "several runs", name),
-                   "tactbench fleet runs lists them by the fleet's own numbers; a UUID names a run, too");
+                   "tactbench fleet runs lists them by the fleet's own numbers; a UUID also names a run");
 }
 
 std::vector<FleetRun> find_runs(Link& link, const std::string& origin, const std::string& where) {
@@ -115,8 +114,8 @@ std::string body_of(Link& link, const FleetRun& run) {
                            {std::to_string(run.revision)}, kMaxStoreBytes + kMaxAnswerBytes);
   if (sha256_hex(row[1]) == row[0]) return std::move(row[1]);
   throw FleetError(FleetCause::kStore, "TB-FLEET-CHANGED",
-                   fmt::format("fleet {}: run {} is not what was pushed", link.where(), run.run),
-                   "somebody changed the fleet's tables: the bench's own store has what was measured");
+                   fmt::format("fleet {}: run {} differs from what was pushed", link.where(), run.run),
+                   "somebody changed the fleet's tables: use the run in the bench's own store");
 }
 
 }  // namespace tactbench::db::fleet

@@ -10,41 +10,41 @@
 
 namespace tactbench::db::fleet {
 
-// A run as one push sends it.
+// A run as it is pushed.
 struct SentRun {
   std::string uuid, content_sha256;
-  std::string said_sha256;  // of the content's hash and all that is said of the run
+  std::string said_sha256;  // hash of the content hash and of all records about the run
   std::string source;       // the store: "host:/path/runs.db"
   std::string facts;        // JSON
   std::string body;         // db/fleet/run_archive.h
 };
 
-// Identity of a row that the fleet has, without its content; oldest first.
+// Identity of a row of the fleet, without its content; oldest first.
 struct KnownRow {
   std::string uuid, content_sha256, said_sha256, source;
 };
 std::vector<KnownRow> known_rows(Link& link, const std::vector<std::string>& uuids);
 
-// Sends the run, reads it back within the transaction, and commits when it is what was sent; it is there whole or not
-// at all. Returns the fleet's number of the run, also when it was there. TB-FLEET-DIFFERS, TB-FLEET-OWNER; nothing was
-// changed then.
+// Sends the run, reads it back within the transaction, and commits if it equals what was sent; a run is never stored in
+// part. Returns the fleet's number of the run, also if it was there already. TB-FLEET-DIFFERS, TB-FLEET-OWNER; nothing
+// was changed then.
 std::int64_t add_run(Link& link, const SentRun& run);
 
-// The newest row of a run; `facts` are JSON, of keys and values that a bench said.
+// The newest row of a run; `facts`: JSON from the bench.
 struct FleetRun {
   std::int64_t run = 0, revision = 0;  // the fleet's number, and the order of all rows
   std::string uuid, content_sha256, facts, pushed_by, pushed_utc, source;
 };
 
-// By the fleet's number, the UUID, or its first characters (four or more). TB-FLEET-NOT-FOUND.
+// Finds a run by the fleet's number, the UUID, or its first characters (four or more). TB-FLEET-NOT-FOUND.
 FleetRun find_run_by_name(Link& link, const std::string& name);
-// Runs of an origin, by start. `where`: a condition in SQL over the columns of the view fleet.every_run, evaluated with
-// the rights of who logged in, without a possibility to write, for a minute at most; empty: all. TB-FLEET-WHERE.
+// Runs of an origin, by start. `where`: a condition in SQL over the columns of the view fleet.every_run, evaluated
+// read-only with the rights of the logged-in user, for at most a minute; empty: all. TB-FLEET-WHERE.
 std::vector<FleetRun> find_runs(Link& link, const std::string& origin, const std::string& where);
 std::map<std::string, std::int64_t> runs_by_origin(Link& link);
 // The run and the runs that its models and verdicts are based on (rests_on of the facts), as far as the fleet has them.
 std::vector<FleetRun> with_dependencies(Link& link, const FleetRun& run);
-// Compared with its hash. TB-FLEET-CHANGED.
+// The run's packed store, compared with its hash. TB-FLEET-CHANGED.
 std::string body_of(Link& link, const FleetRun& run);
 
 }  // namespace tactbench::db::fleet

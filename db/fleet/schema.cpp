@@ -158,7 +158,7 @@ void check_schema(Link& link) {
                      "make it once, as a role that may create schemas and roles: tactbench fleet migrate");
   throw FleetError(
       FleetCause::kStore, "TB-FLEET-SCHEMA",
-      fmt::format("fleet {}: it has schema {}, and this program writes {}", link.where(), schema, kFleetSchema),
+      fmt::format("fleet {}: it has schema {}, but this program writes {}", link.where(), schema, kFleetSchema),
       "use the version of tactbench that made it, or another database");
 }
 

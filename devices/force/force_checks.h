@@ -18,7 +18,8 @@ Wrench operator-(const Wrench& wrench, const Wrench& bias);
 class ForceSpread {
  public:
   void add(const Wrench& record);
-  [[nodiscard]] double standard_deviation_n() const;  // of the force axis with the largest; 0 below two records
+  [[nodiscard]] double standard_deviation_n()
+      const;  // of the force axis with the largest standard deviation; 0 below two records
 
  private:
   int records_ = 0;
@@ -29,7 +30,7 @@ class ForceSpread {
 void check_records(int records);
 // Compares `load`, in the frame of `range` (N, N*mm), with share * range of each axis. Throws Fault TB-FORCE-OVERLOAD.
 void check_overload(const Wrench& load, const SixAxes& range, double share);
-// Throws Fault TB-FORCE-SERIAL when a serial number is expected (not empty) and another one is found.
+// Throws Fault TB-FORCE-SERIAL if the expected serial number is not empty and another one is found.
 void check_serial(const std::string& asked, const std::string& found, const std::string& where);
 
 }  // namespace tactbench::devices

@@ -1,4 +1,4 @@
-// A six-axis force and torque sensor (ATI Nano17) with any of its interfaces. One call returns one averaged reading:
+// A six-axis force and torque sensor (ATI Nano17) with any of its interfaces. Each call returns one averaged reading:
 // the scaled wrench and the raw counts or gauge voltages.
 #pragma once
 
@@ -36,7 +36,7 @@ class ForceSensor {
   virtual ~ForceSensor() = default;
   // Requests `records` fresh records and averages them; nothing from a queue is used. Bounded by the reply timeout.
   // Throws Fault TB-FORCE-TIMEOUT, TB-FORCE-STATUS (the sensor reports an error; the bits are named), TB-FORCE-STALL
-  // (its counter stands still), TB-FORCE-SATURATED (a converter at its limit: the values mean nothing),
+  // (its counter does not advance), TB-FORCE-SATURATED (a converter at its limit: the values are invalid),
   // TB-FORCE-OVERLOAD (an axis of any record beyond the calibration's range after software bias, naming axis and
   // amount), TB-FORCE-PROTOCOL (a reply that is not a record), TB-FORCE-RECORDS (outside 1 to 100 000), and the
   // transport's own (TB-UDP-LOST, TB-SERIAL-LOST, a gauge source's).
@@ -52,7 +52,8 @@ class ForceSensor {
   [[nodiscard]] virtual Identity identity() const = 0;
 };
 
-// Interface from a simulated force sensor to the physics; called from the sensor's thread while the clock stands still.
+// Interface from a simulated force sensor to the physics; called from the sensor's thread while the clock does not
+// advance.
 class ForcePort {
  public:
   virtual ~ForcePort() = default;

@@ -52,13 +52,13 @@ NetFt::NetFt(NetFtOptions options, Clock& clock)
       page_(configuration(options_, clock)),
       link_(options_.host, options_.port, kForceDevice) {
   check_serial(options_.expected_serial, page_.calibration_serial, "the sensor at " + link_.peer());
-  const auto told = options_.range ? options_.range : page_.range_n_nmm();
-  if (!told) {
+  const auto stated = options_.range ? options_.range : page_.range_n_nmm();
+  if (!stated) {
     throw Fault("TB-FORCE-CALIBRATION", kForceDevice,
                 fmt::format("the configuration of the sensor at {} names no range (cfgmr)", link_.peer()),
                 "Give the calibration's six ranges in the bench file: without them no overload is detected.");
   }
-  range_ = *told;
+  range_ = *stated;
 }
 
 Identity NetFt::identity() const {
@@ -144,7 +144,7 @@ int NetFt::gather(int records, Sum& sum, Nanoseconds limit) {
           "Check that the port is the sensor's RDT port and that its RDT buffer size is 1.");
     }
     // Differences, since the counters wrap. A record that is not newer than the last reading belongs to that reading,
-    // or the sensor's counter stands still; then no record is newer.
+    // or the sensor's counter does not advance; then no record is newer.
     if (before && static_cast<std::int32_t>(record->ft_sequence - *before) <= 0) {
       if (++old == records) stalled(*before);
       continue;

@@ -19,8 +19,8 @@ class NetFt final : public ForceSensor {
   // Reads the page, requests no record. Throws Fault TB-FORCE-CALIBRATION, TB-FORCE-SERIAL, TB-HTTP-*, TB-UDP-OPEN.
   NetFt(NetFtOptions options, Clock& clock);
   // Requests up to 100 records at a time. Missing records are requested again twice, from another local port, so that
-  // late ones are never taken for replies. Each request is bounded by three times (reply timeout + the records' time).
-  // A tripped threshold monitor is not an error; it is shown in the reading's status.
+  // late ones are never mistaken for replies. Each request is bounded by three times (reply timeout + the records'
+  // time). A tripped threshold monitor is not an error; it is shown in the reading's status.
   [[nodiscard]] ForceReading read(int records) override;
   // The bias is kept in this driver, not in the sensor, so that raw counts stay what the sensor measures.
   ForceReading bias(int records) override;
@@ -32,7 +32,7 @@ class NetFt final : public ForceSensor {
 
  private:
   struct Sum {
-    Wrench bias;  // removed before a record's load is judged
+    Wrench bias;  // subtracted before a record's load is checked
     SixAxes counts{};
     int records = 0;
     std::uint32_t status = 0;
@@ -50,8 +50,8 @@ class NetFt final : public ForceSensor {
   SixAxes range_{};
   UdpLink link_;
   Wrench bias_;
-  std::optional<std::uint32_t> newest_;  // F/T sequence of the last record taken
-  bool settled_ = true;                  // the last request got all its records
+  std::optional<std::uint32_t> newest_;  // F/T sequence of the last record used
+  bool settled_ = true;                  // the last request received all its records
   std::uint64_t exchanges_ = 0;
   std::uint64_t lost_ = 0;
   std::uint64_t reordered_ = 0;

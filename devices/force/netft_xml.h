@@ -2,8 +2,8 @@
 //
 // Elements, anywhere below the root: prodname, cfgcpf and cfgcpt (counts per force and torque unit), scfgfu
 // and scfgtu (units), each exactly once; cfgcalsn (calibration's serial), cfgmr (ranges of six axes in these units,
-// separated by semicolons), comrdtrate (records a second), mfgdigsn and mfgdigver (the box's serial and firmware), each
-// at most once. The optional ones were seen on one sensor's page only (not verified on hardware).
+// separated by semicolons), comrdtrate (records per second), mfgdigsn and mfgdigver (the box's serial and firmware),
+// each at most once. The optional ones were seen on one sensor's page only (not verified on hardware).
 #pragma once
 
 #include <array>

@@ -56,7 +56,7 @@ struct DaqmxGaugesOptions {
   Volts range{10.0};
   double sample_rate_hz = 10'000;
   Nanoseconds timeout = std::chrono::milliseconds(500);  // beyond the time that the samples take
-  Origin origin = Origin::kHardware;                     // a device that NI's driver simulates is kSimulated anyway
+  Origin origin = Origin::kHardware;                     // a device simulated by NI's driver is kSimulated in any case
 };
 
 struct DigitalFtOptions : FtOptions {

@@ -15,15 +15,15 @@ struct SimulatedDigitalFtFaults {  // test and nightly switches, all off by defa
   long silent_after_samples = -1;
   long damaged_sample = -1;   // this sample loses a byte
   long error_sample = -1;     // this sample carries the status error
-  bool echoes = false;        // the line returns what the client sends
+  bool echoes = false;        // the line echoes what the client sends
   FaultInjector inject = {};  // for the samples of one wrench: silent, saturated (the status error)
 };
 
 class SimulatedDigitalFt {
  public:
   // The wrench is requested at each start of the stream and, free-running, then every 100 samples. On a manual clock,
-  // which stands still during a reading, a stream repeats its first: how many samples are sent before the stop arrives
-  // depends on real time, and the same seed has to give the same readings. The calibration's matrix must be
+  // which does not advance during a reading, a stream repeats its first sample: the number of samples sent before the
+  // stop arrives depends on real time, and the same seed must give the same readings. The calibration's matrix must be
   // invertible. Throws Fault TB-SIM-LISTEN.
   SimulatedDigitalFt(const DigitalCalibration& calibration, ForcePort& port, bool free_running,
                      SimulatedDigitalFtFaults faults = {});

@@ -123,7 +123,7 @@ class SimulatedNetFt::Server {
     }
   }
 
-  // All counted records at once: process time stands still while they are requested.
+  // All requested records together: process time does not advance while they are requested.
   void answer(const sockaddr_in& client, std::uint32_t count) {
     std::uint32_t sequence = 0;
     while (sequence < count) {

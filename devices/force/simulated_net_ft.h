@@ -1,5 +1,5 @@
 // Simulated Net F/T on loopback: RDT over UDP and the page netftapi2.xml over HTTP; the wrench comes from a ForcePort.
-// Requests for a number of records are answered at once, endless streams are paced in real time.
+// Requests for a number of records are answered immediately, endless streams are paced in real time.
 #pragma once
 
 #include <cstdint>
@@ -15,10 +15,11 @@ struct SimulatedNetFtFaults {      // test and nightly switches, all off by defa
   long silent_after_records = -1;  // sends this many records, then none
   long drop_record = -1;           // omits this record
   long late_record = -1;           // sends this record after the next (within one request)
-  long stall_from_record = -1;     // the F/T sequence stands still from this record on
+  long stall_from_record = -1;     // the F/T sequence does not advance from this record on
   long status_record = -1;         // this record carries status_bits
   std::uint32_t status_bits = 0x80020000U;
-  FaultInjector inject = {};  // for up to 64 records at once: silent, stale (the F/T sequence stands still), saturated
+  FaultInjector inject =
+      {};  // for up to 64 records at once: silent, stale (the F/T sequence does not advance), saturated
 };
 
 struct SimulatedNetFtOptions {

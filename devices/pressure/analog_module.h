@@ -55,7 +55,7 @@ class AnalogModule {
   [[nodiscard]] Volts input_volts(int channel) const {
     return Volts(profile_.inputs.volts.physical(input(channel).value));
   }
-  [[nodiscard]] std::uint16_t counts(Volts volts) const;  // of an output: nearest, clipped to its span
+  [[nodiscard]] std::uint16_t counts(Volts volts) const;  // counts of an output: nearest value, clipped to its span
   [[nodiscard]] std::uint64_t exchanges() const { return link_.exchanges(); }
   [[nodiscard]] Identity identity() const;
   [[nodiscard]] const ModuleProfile& profile() const { return profile_; }
@@ -63,11 +63,12 @@ class AnalogModule {
   // From now on the resting voltage of this output is `volts` instead of 0 V; bring_up() and zero_outputs() set it.
   void rest_at(int output, Volts volts) { rest_.at(static_cast<std::size_t>(output)) = counts(volts); }
   // Writes the resting voltage, 0 V, to every output and reads it back; reconnects once if needed: at most two attempts
-  // of two exchanges. True: every output was read back so.
+  // of two exchanges. True: every output was read back with that voltage.
   [[nodiscard]] bool zero_outputs() noexcept;
-  // The dump valve on the profile's coil (FC 5, energised = closed). Without such a valve both functions do nothing.
-  // close_dump() writes only when the valve is not known to be closed, and throws Fault; open_dump() tries twice. True:
-  // the module echoed the command (a coil is not read back), or there is no valve. Not verified on hardware.
+  // The dump valve on the profile's coil (FC 5, energised = closed). If there is no such valve, both functions do
+  // nothing. close_dump() writes only if the valve is not known to be closed, and throws Fault; open_dump() tries
+  // twice. True: the module echoed the command (a coil is not read back), or there is no valve. Not verified on
+  // hardware.
   void close_dump();
   [[nodiscard]] bool open_dump() noexcept;
 

@@ -1,5 +1,5 @@
 // Interface from the simulated analog module to the physics, implemented by bench/simulation. All calls come from the
-// simulated module's thread while the clock stands still.
+// simulated module's thread while the clock does not advance.
 #pragma once
 
 #include "devices/clock.h"

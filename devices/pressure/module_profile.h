@@ -16,8 +16,8 @@ struct ModuleOutputs {
   int address = 0;          // zero-based, of channel 0; one word per channel
   int channels = 0;         // 0: the module has no outputs
   int readback = 3;         // function that reads the outputs back at `address`; 0: none
-  int dead_band = 0;        // counts by which the reading may differ from what was written
-  Nanoseconds deadline{0};  // how long after writing the reading may differ; 0: never
+  int dead_band = 0;        // counts by which the reading may differ from the written value
+  Nanoseconds deadline{0};  // time after writing in which the reading may differ; 0: never
   LinearScale volts{0, 32767, 0, 10};
 };
 
@@ -32,7 +32,7 @@ struct ModuleInputs {
 };
 
 struct ModuleFailSafe {
-  std::vector<std::string> layers;   // as preflight prints them; empty: none known
+  std::vector<std::string> layers;   // protection layers as printed before a run; empty: none known
   int watchdog_address = -1;         // Beckhoff: 0x1120 time, +1 reset, +2 type, +3 fallback, +4 write lock; -1: none
   int fallbacks_address = -1;        // Beckhoff 0x1021: how often the watchdog fell back; -1: not reported
   int safe_mode_address = -1;        // Moxa: discrete inputs, one per output: the channel is in safe mode; -1: none

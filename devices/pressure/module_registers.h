@@ -5,8 +5,8 @@
 // Beckhoff: read 0x1020 watchdog time left in ms, 0x1021 fallbacks so far, 0x1022 connections, 0x1120-0x1124 (FC 3);
 // after a fallback, writes to outputs are refused (exception 4) until 0xBECF, 0xAFFE are written to 0x1121. The bus
 // stop (0x1123 = 2) is refused as not simulated. Where the manuals state nothing (direction of 0x1020, the exception
-// numbers, who feeds when the lock is off, that a channel in safe mode ignores writes) this is our interpretation, not
-// verified on hardware.
+// numbers, which client feeds the watchdog if the lock is off, that a channel in safe mode ignores writes), this is our
+// interpretation, not verified on hardware.
 #pragma once
 
 #include <array>
@@ -32,9 +32,9 @@ class ModuleRegisters {
   ModuleRegisters& operator=(const ModuleRegisters&) = delete;
   [[nodiscard]] int unit() const { return unit_.unit; }
 
-  // Lets the watchdog fall back when its time is over; call it before each request.
+  // Lets the watchdog fall back if its time has expired; to be called before each request.
   void turn();
-  // `function` is 3 (also for FC 23) or 4; `client` is the asking client (the watchdog has one master).
+  // `function` is 3 (also for FC 23) or 4; `client` is the requesting client (the watchdog has one master).
   [[nodiscard]] Refusal check_read(int function, int address, std::size_t count) const;
   [[nodiscard]] Refusal read(int client, int function, int address, std::span<std::uint16_t> into);
   [[nodiscard]] Refusal write(int client, int address, std::span<const std::uint16_t> values);

@@ -22,7 +22,7 @@ struct LinearSpan {  // LinearScale with the quantities' types: volts_low is low
   [[nodiscard]] LinearScale scale() const { return {volts_low.value(), volts_high.value(), low.value(), high.value()}; }
   [[nodiscard]] Psi pressure(Volts volts) const;
   [[nodiscard]] Volts voltage(Psi pressure) const;
-  // What a regulator does at `volts`: outside its span it stays at that end.
+  // Pressure that a regulator sets at `volts`, clipped to its span.
   [[nodiscard]] Psi driven(Volts volts) const;
 };
 
@@ -33,18 +33,18 @@ struct RegulatorOptions {
   int feedback_channel = 0;
   LinearSpan command_span;
   LinearSpan feedback_span;
-  Volts rest{0.0};     // what a vent puts out; not 0 V only where `relief` is named
-  std::string relief;  // what relieves the chamber where the source itself may not vent; empty: nothing is named
+  Volts rest{0.0};     // output for venting; other than 0 V only if `relief` is named
+  std::string relief;  // device that relieves the chamber if the source cannot vent; empty: none
   Nanoseconds feed_interval = std::chrono::milliseconds(400);
   Psi command_limit{60.0};  // inclusive; command() refuses more before anything is sent (Fault TB-CHAMBER-LIMIT)
   Origin origin = Origin::kHardware;
 };
 
-// A pressure controller on a serial line, beside what RegulatorOptions states of it.
+// Options of a pressure controller on a serial line, in addition to RegulatorOptions.
 struct SerialControllerOptions {
   char unit = 'A';                             // its letter on the line
-  int decimals = 2;                            // of a set-point in psi, as it is sent and as it comes back
-  int pressure_field = 1, setpoint_field = 2;  // places in its answer, counted from 1 behind the letter
+  int decimals = 2;                            // digits of a set-point in psi, as sent and as returned
+  int pressure_field = 1, setpoint_field = 2;  // places in its answer, counted from 1 after the letter
   bool exhausts = true;                        // it has an exhaust valve and the command for it
   Nanoseconds reply_timeout = std::chrono::milliseconds(250);
 };
@@ -86,7 +86,7 @@ struct PressureCorrection {
 struct SimulatedModuleFaults {      // test and nightly switches, all off by default
   long silent_after_requests = -1;  // answers this many requests, then none (the connection stays open)
   long dead_after_requests = -1;    // closes connections and refuses new ones; a serial line hangs up
-  bool echoes = false;              // a serial line returns what the client sends, as some adapters do
+  bool echoes = false;              // a serial line echoes what the client sends, as some adapters do
   FaultInjector inject = {};        // silent, late, corrupt, stale, refused (failure), busy; unplugged: TCP closes
                                     // connections when asked, a serial line is silent
 };

@@ -40,7 +40,7 @@ class ModbusGauge final : public PressureReference {
   Clock& clock_;
 };
 
-// The source's own transducer, where there is no independent one.
+// The source's own transducer, used if there is no independent one.
 class FeedbackReference final : public PressureReference {
  public:
   FeedbackReference(PressureSource& source, TransducerOptions options)

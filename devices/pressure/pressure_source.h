@@ -30,7 +30,8 @@ class PressureSource : public Actuator {
   // Commands 0 psi; bounded in time, callable twice and in any state, armed or not. True: the command was read back.
   [[nodiscard]] virtual bool vent() noexcept = 0;
   [[nodiscard]] virtual Identity identity() const = 0;
-  [[nodiscard]] virtual std::uint64_t exchanges() const = 0;  // on a wire of its own; an analog module counts its own
+  [[nodiscard]] virtual std::uint64_t exchanges()
+      const = 0;  // exchanges on the source's own line; an analog module counts its own
 };
 
 class PressureReference {

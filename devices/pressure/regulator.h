@@ -16,8 +16,8 @@ inline constexpr Nanoseconds kSameImage = std::chrono::microseconds(500);
 // Throw Fault TB-MODULE-CHANNEL and TB-MODULE-SPAN, naming `device`.
 void check_channel(const char* device, const char* what, int channel, int channels);
 void check_span(const char* device, const LinearSpan& span);
-// Throws Fault TB-CHAMBER-LIMIT unless `pressure` is 0 to `limit` and `unreachable` (why not, by other limits) is
-// empty, TB-CHAMBER-NOT-ARMED unless `armed`.
+// Throws Fault TB-CHAMBER-LIMIT unless `pressure` is between 0 and `limit` and `unreachable` (a reason from other
+// limits) is empty, TB-CHAMBER-NOT-ARMED unless `armed`.
 void check_setpoint(Psi pressure, Psi limit, const std::string& unreachable, bool armed);
 
 class Regulator final : public PressureSource {

@@ -1,5 +1,5 @@
-// A pressure controller on a serial line (controller_lines.h): it regulates by itself, its own transducer is the
-// feedback. It has no watchdog: on a dead line it keeps its set-point. Not verified on hardware.
+// A pressure controller on a serial line (controller_lines.h): it regulates by itself, and its own transducer is the
+// feedback. It has no watchdog: if the line fails, it keeps its set-point. Not verified on hardware.
 #pragma once
 
 #include <functional>
@@ -13,12 +13,12 @@
 
 namespace tactbench::devices {
 
-// Faults beside those of Actuator and ByteStream, whose device is "regulator": TB-CONTROLLER-TIMEOUT, -PROTOCOL (the
-// answer is damaged), -REFUSED, -READBACK (it does not hold what was sent), -STATUS (its transducer is out of range or
-// defective). Each disarms but the last.
+// Faults in addition to those of Actuator and ByteStream (device "regulator"): TB-CONTROLLER-TIMEOUT, -PROTOCOL (the
+// answer is damaged), -REFUSED, -READBACK (it does not hold the set-point that was sent), -STATUS (its transducer is
+// out of range or defective). All except the last disarm it.
 class SerialController final : public PressureSource {
  public:
-  // `open` opens the line, at the first exchange and after it was lost.
+  // `open` opens the line at the first exchange and after a loss.
   SerialController(std::function<std::unique_ptr<ByteStream>()> open, RegulatorOptions regulator,
                    SerialControllerOptions options, Clock& clock);
   void arm() override;
@@ -29,7 +29,7 @@ class SerialController final : public PressureSource {
   void keep_alive() override;
   [[nodiscard]] PressureReading feedback() override;
   [[nodiscard]] Nanoseconds last_fed() const override { return last_fed_; }
-  // 0 psi, then its exhaust valve where it has one; at most two attempts of two exchanges.
+  // Commands 0 psi, then opens the exhaust valve if it has one; at most two attempts of two exchanges.
   [[nodiscard]] bool vent() noexcept override;
   [[nodiscard]] Identity identity() const override;
   [[nodiscard]] std::uint64_t exchanges() const override { return exchanges_; }

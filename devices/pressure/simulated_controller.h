@@ -1,5 +1,5 @@
 // Simulated pressure controller on a pseudo-terminal (controller_lines.h); the pressure comes from a ChamberPort, whose
-// span of 10 V is the full scale. It answers only when asked, has no watchdog, and keeps its set-point on a dead line.
+// span of 10 V is the full scale. It answers only requests, has no watchdog, and keeps its set-point if the line fails.
 // Its exhaust is the port's dump valve. Works with any client.
 #pragma once
 
@@ -21,7 +21,7 @@ namespace tactbench::devices {
 class SimulatedController {
  public:
   // `inject`: silent, late, corrupt (the first number is damaged), refused ("?", not carried out), unplugged (hangs
-  // up). Uses of `options` the letter, the decimals and whether it exhausts. Throws Fault TB-SIM-LISTEN.
+  // up). Uses only the letter, the decimals and `exhausts` of `options`. Throws Fault TB-SIM-LISTEN.
   SimulatedController(const SerialControllerOptions& options, Psi full_scale, ChamberPort& chamber,
                       FaultInjector inject = {});
   ~SimulatedController();  // stops the thread in bounded time
@@ -29,7 +29,7 @@ class SimulatedController {
   SimulatedController& operator=(const SimulatedController&) = delete;
   [[nodiscard]] const std::string& path() const { return end_.address(); }  // what a client opens
   [[nodiscard]] std::uint64_t requests() const { return requests_; }
-  void unplug();   // the client loses the wire; set-point and valves stay
+  void unplug();   // the client loses the connection; set-point and valves are unchanged
   void plug_in();  // under a new path()
 
  private:

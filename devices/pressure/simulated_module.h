@@ -18,7 +18,7 @@ namespace tactbench::devices {
 
 struct SimulatedQuantity {  // a gauge's or a thermometer's registers
   ModbusQuantity at;
-  std::function<double()> read;  // physical value, from the server's thread while the clock stands still
+  std::function<double()> read;  // physical value, called from the server's thread while the clock does not advance
 };
 
 struct SimulatedUnit {

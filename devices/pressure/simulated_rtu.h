@@ -1,4 +1,4 @@
-// The simulated module on a serial line: Modbus RTU on a pseudo-terminal. Used by simulated_module.cpp alone.
+// The simulated module on a serial line: Modbus RTU on a pseudo-terminal. Used only by simulated_module.cpp.
 #pragma once
 
 #include "devices/pressure/simulated_server.h"

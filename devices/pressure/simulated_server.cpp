@@ -90,7 +90,7 @@ SimulatedModule::Server::Answer SimulatedModule::Server::answer(int client, int 
       return Answer::kNone;
     }
     if (bytes.size() > header + 1)
-      bytes[header + 1] ^= 0x10U;  // the function code: detected on TCP too, which has no checksum of its own
+      bytes[header + 1] ^= 0x10U;  // the function code: also detected on TCP, which has no Modbus checksum
     return ::write(descriptor, bytes.data(), bytes.size()) >= 0 ? Answer::kSent : Answer::kBroken;
   }
   modbus_set_socket(modbus_, descriptor);

@@ -50,7 +50,7 @@ ChainDevice::ChainDevice(const ChainDeviceOptions& options) : options_(options),
   power_up();
 }
 
-// The counter starts at 0 wherever the device stands; home status is lost, settings stay.
+// The counter starts at 0 at any position of the device; home status is lost, settings are kept.
 void ChainDevice::power_up() {
   settings_[kMode] &= ~kZaberHomed;
   zero_ = motion_.profile.end();

@@ -40,7 +40,7 @@ class ChainDevice {
   void receive(const ZaberFrame& frame, Nanoseconds now, std::uint8_t place, std::vector<ZaberFrame>& replies);
   // Unsolicited replies up to `now`: the end of a move, tracking, a limit.
   void run(Nanoseconds now, std::vector<ZaberFrame>& replies);
-  // As a loss of power: it stays where it is, and its counter starts there.
+  // Simulates a loss of power: the axis stays where it is, and the counter restarts from 0 there.
   void reset(Nanoseconds now);
   // Time at which run() has its next reply to send.
   [[nodiscard]] std::optional<Nanoseconds> due() const;
@@ -64,9 +64,9 @@ class ChainDevice {
     std::optional<double> stuck;  // where it stuck, from the home sensor
     [[nodiscard]] double true_steps(Nanoseconds time) const;
   };
-  using Reply = std::optional<std::int32_t>;  // the data; none: no reply now
+  using Reply = std::optional<std::int32_t>;  // the data of the reply; none: no reply now
   void power_up();
-  void remember(Nanoseconds now);  // the motion up to now, before it changes
+  void remember(Nanoseconds now);  // stores the motion up to now, before it changes
   void go_home(const ZaberFrame& frame, double pace, Nanoseconds now);
   [[nodiscard]] double acceleration() const;
   [[nodiscard]] std::int32_t setting(ZaberCommand command) const { return settings_.at(command); }
@@ -91,7 +91,7 @@ class ChainDevice {
   std::deque<std::pair<Nanoseconds, Motion>> past_;  // each motion with the time of its end
   Nanoseconds next_tracking_{0};
   double zero_ = 0.0;                    // counter = believed - zero
-  std::optional<ZaberFrame> under_way_;  // the instruction that the motion belongs to
+  std::optional<ZaberFrame> under_way_;  // the instruction that caused the motion
 };
 
 }  // namespace tactbench::devices

@@ -50,16 +50,17 @@ class SimulatedChain final : public StageView {
   [[nodiscard]] Millimetres position(Axis axis) const override;
   [[nodiscard]] std::array<Millimetres, kAxes> places(Nanoseconds time) const override;
   [[nodiscard]] bool at_rest_since(Nanoseconds time) const override;
-  [[nodiscard]] std::string address() const;  // what open_serial() takes
+  [[nodiscard]] std::string address() const;  // argument for open_serial()
   [[nodiscard]] std::uint64_t bytes_received() const;
-  [[nodiscard]] std::vector<ZaberFrame> requests() const;  // all complete ones, as sent with message ids
+  [[nodiscard]] std::vector<ZaberFrame> requests() const;  // all complete requests, as sent with message ids
 
   // Events that may happen at any time; callable from any thread.
-  void unplug();   // returns once the client has lost the wire; the devices keep power and continue moving
+  void unplug();   // returns once the client has lost the connection; the devices keep power and continue moving
   void plug_in();  // a pseudo-terminal then has a new address
   void power_cycle();
-  void refuse_next(ZaberCommand command, std::int32_t error);  // the next such instruction, on any device
-  void inject(const ZaberFrame& frame);                        // sent unchanged before the next reply
+  void refuse_next(ZaberCommand command,
+                   std::int32_t error);  // error for the next instruction of this kind, on any device
+  void inject(const ZaberFrame& frame);  // sent unchanged before the next reply
 
  private:
   class Server;

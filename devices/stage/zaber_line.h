@@ -16,8 +16,8 @@ namespace tactbench::devices {
 class ZaberLine {
  public:
   using Listener = std::function<void(const ZaberFrame&)>;
-  // `silence`: half a reply is dropped after this time. Longer than the devices' own 10 ms, since a USB adapter delays
-  // bytes (FTDI: 16 ms).
+  // `silence`: half a reply is dropped after this time. Longer than the devices' own 10 ms, because a USB adapter
+  // delays bytes (FTDI: 16 ms).
   ZaberLine(std::unique_ptr<ByteStream> stream, Nanoseconds reply_timeout, Nanoseconds silence, Listener others);
   // Lets the devices drop half a frame left on the line, and discards unread bytes. Blocks 12 ms.
   void settle();

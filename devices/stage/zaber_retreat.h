@@ -8,7 +8,7 @@
 namespace tactbench::devices {
 
 // Stops all axes after more than 10 ms without a byte, waits until they are at rest, then moves z toward its home by
-// `back_off`, never below 0; not at all when z was not homed, since its position then means nothing. Waits in real
+// `back_off`, never below 0; not at all if z was not homed, because its position is then unknown. Waits in real
 // time, at most halt_timeout and `move_timeout` plus one reply timeout per query. Throws the wire's Fault.
 [[nodiscard]] StageRetreat retreat(std::unique_ptr<ByteStream> stream, const ZaberStageOptions& options,
                                    Millimetres back_off, Nanoseconds move_timeout);

@@ -379,7 +379,7 @@ void ZaberStage::renumber() {
 void ZaberStage::arm() {
   const std::lock_guard lock(mutex_);
   clock_thread_ = std::this_thread::get_id();
-  drop();  // each axis's record begins anew below: motions under way are discarded, and nothing is sent again
+  drop();  // each axis's record starts again below: motions under way are discarded, and nothing is sent again
   halted_ = false;
   try {
     open();

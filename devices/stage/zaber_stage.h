@@ -23,7 +23,7 @@ namespace tactbench::devices {
 class ZaberStage final : public Stage {
  public:
   using Factory = std::function<std::unique_ptr<ByteStream>()>;
-  // The factory opens the line again at each arm(). Call all functions except halt(), armed() and exchanges() only from
+  // The factory reopens the line at each arm(). Call all functions except halt(), armed() and exchanges() only from
   // the sequencer's thread.
   ZaberStage(Factory open, ZaberStageOptions options, Clock& clock);
   // Identifies the devices, sets the mode (writes only what differs), reads home status, positions and settings. Moves
@@ -69,7 +69,7 @@ class ZaberStage final : public Stage {
     std::int32_t target_speed = 0;
     std::int32_t microsteps = 0;
     bool homed = false;
-    std::optional<std::int32_t> complaint;  // an error that the device sent unasked
+    std::optional<std::int32_t> complaint;  // an error that the device sent unsolicited
     std::optional<Motion> motion;
   };
 

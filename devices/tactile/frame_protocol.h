@@ -86,14 +86,14 @@ struct Packet {
 // Empty when the type is unknown or the payload does not fit it.
 [[nodiscard]] std::optional<Message> decode(const Packet& packet);
 
-// Cuts a byte stream into packets, however the bytes arrive. A wrong magic, length or CRC breaks the stream for good:
-// later bytes cannot be trusted, so the connection must be closed. Never holds more than was fed to it.
+// Cuts a byte stream into packets, however the bytes arrive. A wrong magic number, length or CRC breaks the stream
+// permanently: later bytes cannot be trusted, so the connection must be closed. Never holds more than was fed to it.
 class Parser {
  public:
   void feed(std::span<const std::uint8_t> bytes);
-  // The next complete packet; empty: feed more, or broken.
+  // The next complete packet; empty: more bytes are needed, or the stream is broken.
   [[nodiscard]] std::optional<Packet> next();
-  // The stream's error, e.g. "CRC"; empty without one.
+  // The stream's error, e.g. "CRC"; empty: none.
   [[nodiscard]] const std::string& broken() const { return broken_; }
 
  private:

@@ -81,8 +81,8 @@ void HidScanner::timed_out(const std::string& asked, const std::string& came) {
               "Check the scanner's power and cable, then start again.");
 }
 
-// The next report of that id; 0: none came by `end`, in real time. Of those that lie there then no more are looked at
-// than a kernel keeps: a device that sends others without end does not extend the wait.
+// The next report of that id; 0: none came by `end`, in real time. After that, at most as many queued reports are
+// examined as a kernel keeps: a device that sends others without end does not extend the wait.
 std::size_t HidScanner::receive(std::span<std::uint8_t> into, RealTime end, std::uint8_t id) {
   constexpr int kMostKept = 64;
   for (int late = 0; late < kMostKept;) {

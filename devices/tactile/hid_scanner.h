@@ -1,6 +1,6 @@
 // Driver of the HID scanner over any ReportLink: assembles frames from row reports, detects gaps, duplicates and damage
-// by sequence number, tag and CRC, and discards queued reports before each request. Reports of other ids, which other
-// functions of the same device send unasked, are passed over.
+// by sequence number, tag and CRC, and discards queued reports before each request. Reports with other ids, which other
+// functions of the same device send unsolicited, are ignored.
 #pragma once
 
 #include <memory>

@@ -2,7 +2,7 @@
 //
 // Output report 0x02, 8 bytes: id, command (1 scan, 2 identify), u16 tag, u16 reserved 0, u16 CRC of bytes 0-5.
 //   One scan command is answered by `rows` input reports 0x01; identify by one input report 0x03.
-// Input report 0x01 (one row of one scan), 64 bytes: id, u16 sequence (one more with each report, wraps), u32 frame
+// Input report 0x01 (one row of one scan), 64 bytes: id, u16 sequence (increments with each report, wraps), u32 frame
 //   counter, u16 tag of the command answered, u8 row, u8 status, u32 device time in us, 16 x u16 samples (bytes
 //   15-46), 15 bytes 0, u16 CRC of bytes 0-61.
 // Input report 0x03 (identity), 64 bytes: id, u16 tag, u8 rows, u8 columns, f32 volts per count, 16 bytes serial,

@@ -36,7 +36,7 @@ class SimulatedFrameSource::Server {
       : options_(std::move(options)), port_(port), clock_(clock) {
     [[maybe_unused]] const auto encodable = protocol::encode({0, options_.description});
     if (!(options_.free_running_hz > 0.0 && options_.free_running_hz <= 1e5))
-      fail("a rate lies above 0, up to 100 kHz");
+      fail("the rate must be above 0 and at most 100 kHz");
     period_ = std::chrono::duration_cast<Real::duration>(std::chrono::duration<double>(1.0 / options_.free_running_hz));
     last_.rows = options_.description.rows;
     last_.columns = options_.description.columns;

@@ -14,11 +14,12 @@
 
 namespace tactbench::devices {
 
-// Interface from the simulated scanner to the physics; called from the scanner's thread while the clock stands still.
+// Interface from the simulated scanner to the physics; called from the scanner's thread while the clock does not
+// advance.
 class TactilePort {
  public:
   virtual ~TactilePort() = default;
-  // One scan of the whole array: rows x columns counts, row-major, noise and relay settling included. Returns the
+  // One scan of the whole array: rows x columns counts, row-major, with noise and relay settling. Returns the
   // status byte of each row through `status` (size rows).
   virtual void scan(std::span<std::uint16_t> counts, std::span<std::uint8_t> status) = 0;
 };

@@ -1,4 +1,4 @@
-// A tactile array behind its scanner. One call gives one set of K scans of all taxels, as raw counts.
+// A tactile array behind its scanner. Each call returns one set of K scans of all taxels, as raw counts.
 #pragma once
 
 #include <cstdint>

@@ -17,13 +17,13 @@ class ByteStream {
   // Sends all bytes. Throws Fault TB-SERIAL-LOST when the device is gone, TB-SERIAL-TIMEOUT when it accepts no bytes.
   virtual void write(std::span<const std::uint8_t> bytes) = 0;
   // Waits for bytes in real time and returns as soon as any arrive; 0 if none came before `timeout`. Throws Fault
-  // TB-SERIAL-LOST at once when the device is gone, so that unplugging differs from silence. A lost stream never
+  // TB-SERIAL-LOST immediately if the device is gone, so that unplugging differs from silence. A lost stream never
   // recovers: create a new one.
   [[nodiscard]] virtual std::size_t read(std::span<std::uint8_t> into, Nanoseconds timeout) = 0;
   // Discards unread bytes; returns their number.
   virtual std::size_t discard() = 0;
   [[nodiscard]] virtual std::string description() const = 0;
-  [[nodiscard]] virtual int descriptor() const = 0;  // only to be passed on; the stream owns it
+  [[nodiscard]] virtual int descriptor() const = 0;  // for callers that pass it on; the stream owns it
 };
 
 }  // namespace tactbench::devices

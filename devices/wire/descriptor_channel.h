@@ -12,7 +12,7 @@ namespace tactbench::devices {
 
 struct ChannelPacket {
   std::string text;
-  int descriptor = -1;  // owned by the receiver; -1: none came
+  int descriptor = -1;  // owned by the receiver; -1: none was attached
 };
 
 class DescriptorChannel {

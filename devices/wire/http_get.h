@@ -1,5 +1,5 @@
-// Gets one small page from a device's built-in web server with HTTP/1.0. No library: Beast would bring its headers into
-// devices/ for one fixed request, and every step here needs a deadline, as everywhere in devices/.
+// Fetches one small page from a device's built-in web server with HTTP/1.0. No library: Beast would bring its headers
+// into devices/ for one fixed request, and every step here needs a deadline, as everywhere in devices/.
 #pragma once
 
 #include <string>
@@ -13,7 +13,7 @@ struct HttpPage {
   int port = 80;
   std::string path;  // begins with '/'
   Nanoseconds timeout = std::chrono::seconds(3);
-  std::size_t largest = std::size_t{1} << 18U;  // bytes, headers included
+  std::size_t largest = std::size_t{1} << 18U;  // bytes, including headers
 };
 
 // The body of the answer "200". Returns or throws within `timeout`. Throws Fault TB-HTTP-OPEN (no address, refused, no

@@ -15,26 +15,27 @@ struct ModbusEndpoint {
   int port = 502;
   int unit = 1;
   Nanoseconds response_timeout = std::chrono::milliseconds(500);
-  // A device that answers "busy, ask again" is asked again for so long, in process time.
+  // How long a request to a busy device is repeated, in process time.
   Nanoseconds busy_time = std::chrono::milliseconds(500);
   std::string serial_port = {};  // not empty: RTU on this port instead of TCP
-  int baud = 9600;               // RTU: a rate that libmodbus knows (it takes 9600 for all others, silently)
+  int baud = 9600;               // RTU: a rate that libmodbus supports (it silently uses 9600 for any other)
   char parity = 'N';             // N, E or O
   int stop_bits = 1;
   Nanoseconds max_reply_delay = std::chrono::milliseconds(1000);  // RTU: no answer comes later than this
-  bool local_echo = false;  // RTU: the adapter returns what is sent; that much is read first and compared
+  bool local_echo = false;  // RTU: the adapter echoes what is sent; the echo is read first and compared
   // RTU: protects the open port against other programs. A dead-man must reach the line of a hung program: the program
-  // then sets no `exclusive` (its lock still keeps other tactbench programs out), the dead-man sets neither.
+  // then does not set `exclusive` (its lock still keeps other tactbench programs out), and the dead-man sets neither.
   bool lock = true;       // flock()
   bool exclusive = true;  // TIOCEXCL
 };
 
 struct SerialAddress {
-  std::string port;  // "/dev/ttyUSB0", a link such as /dev/serial/by-id/..., or what open_stream() takes
+  std::string port;  // "/dev/ttyUSB0", a link such as /dev/serial/by-id/..., or an address for open_stream()
   int baud = 9600;
   char parity = 'N';  // 'N', 'E' or 'O'
   int stop_bits = 1;
-  std::string usb_serial;  // with a port: it must have this serial number; without: the port that has it is used
+  std::string usb_serial;  // with a port: the port must have this serial number; without: the port with this serial
+                           // number is used
   bool lock = true;        // as in ModbusEndpoint; a pseudo-terminal never has TIOCEXCL
   bool exclusive = true;
 };

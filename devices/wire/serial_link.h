@@ -1,5 +1,5 @@
-// ByteStream over a serial port (libserialport), without its pitfalls: unplugging is a fault at once rather than
-// silence, waiting does not load a core, only one program can hold a port.
+// ByteStream over a serial port (libserialport), without its pitfalls: unplugging is an immediate fault instead of
+// silence, waiting does not load a core, and only one program can hold a port.
 #pragma once
 
 #include <memory>
@@ -22,9 +22,9 @@ struct SerialPortInfo {
 // Ports of the system, without pseudo-terminals; a port may have nothing attached.
 [[nodiscard]] std::vector<SerialPortInfo> list_serial_ports();
 
-// Opens the port with eight data bits and no handshake; discards unread bytes. Addresses of open_stream() are passed to
-// it, since libserialport opens only ports. Throws Fault TB-SERIAL-OPEN, and TB-SERIAL-BUSY when another program holds
-// the port. Each write() takes at most one second.
+// Opens the port with eight data bits and no handshake; discards unread bytes. Addresses for open_stream() are passed
+// to it, because libserialport opens only ports. Throws Fault TB-SERIAL-OPEN, and TB-SERIAL-BUSY when another program
+// holds the port. Each write() takes at most one second.
 [[nodiscard]] std::unique_ptr<ByteStream> open_serial(const SerialAddress& address);
 
 }  // namespace tactbench::devices

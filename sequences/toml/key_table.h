@@ -1,7 +1,7 @@
-// Tables that declare the keys of TOML files. Each row states once what a key is: name, type, unit, range, default,
-// meaning, and the variable that receives its value. read_keys() reads a table of the file by these rows; add_facts()
-// gives the same rows as text, for the reference of keys and the comments in the files that `tactbench init` writes.
-// The default of a row is the value of the variable when the row is made.
+// Tables that declare the keys of TOML files. Each row describes a key: name, type, unit, range, default, meaning, and
+// the variable that receives its value. read_keys() reads a table of the file by these rows; add_facts() gives the same
+// rows as text, for the reference of keys and the comments in the files that `tactbench init` writes. The default is
+// the value of the variable at the time when the row is made.
 #pragma once
 
 #include <array>
@@ -34,15 +34,15 @@ struct KeyFacts {
   std::string key;   // dotted; [] for each element of a list of tables, NAME for a name that the file chooses
   std::string type;  // "number", "whole number", "text", "one of", ...
   std::string unit = "-";
-  std::string range;     // "0 to 1", or the words of "one of"; empty: any
-  std::string standard;  // the default as TOML, or "required"; empty: nothing stands in for the key
+  std::string range;     // "0 to 1", or the choices of "one of"; empty: any
+  std::string standard;  // the default as TOML, or "required"; empty: no default
   std::string meaning;
 };
 
 struct Key {
   enum class Presence { kDefault, kRequired, kOptional };
   KeyFacts facts;
-  // Reads the key into its variable; `required`: without falling back on what the variable holds.
+  // Reads the key into its variable; `required`: the variable's value is not used as a default.
   std::function<void(const TomlTable& table, bool required)> read;
   Presence presence = Presence::kDefault;
 };
@@ -50,11 +50,11 @@ using KeyTable = std::vector<Key>;
 
 // Row by row; throws FileError as TomlTable does.
 void read_keys(const TomlTable& table, const KeyTable& keys);
-// The last rows of a table: then refuses keys that nobody read.
+// For the last rows of a table: also refuses keys that were not read.
 void read_whole(const TomlTable& table, const KeyTable& keys);
 
-// Appends the rows of the file's table `path` ("" at the top, "sensor[]", "press.grid"). A key that is there already,
-// of another kind of the same table, gets what differs added.
+// Appends the rows of the file's table `path` ("" at the top, "sensor[]", "press.grid"). If the key exists already,
+// from another variant of the same table, the differences are added to it.
 void add_facts(std::vector<KeyFacts>& all, const std::string& path, const KeyTable& keys);
 
 // Functions that make rows: key::number("dwell_s", recipe.dwell_s, {"s"}, {0.0, 86400.0}, "Time from ...").
@@ -98,7 +98,7 @@ Key word(const char* name, std::size_t standard, const std::vector<std::string>&
          std::function<void(std::size_t)> take);
 }  // namespace detail
 
-// A whole number where the variable is one.
+// A whole number if the variable is an integer.
 template <typename Variable>
 Key number(const char* name, Variable& variable, const Unit& unit, const Range& range, const char* meaning) {
   if constexpr (std::is_integral_v<Variable>)
@@ -119,7 +119,7 @@ Key span(const char* name, Variable& low, Variable& high, const Unit& unit, cons
                       });
 }
 
-// One of `words`. An enumeration takes its value by the word's place, a char the word's letter.
+// One of `words`. An enumeration gets the value at the word's index, a char gets the word's letter.
 template <typename Variable>
 Key word(const char* name, Variable& variable, const std::vector<std::string>& words, const char* meaning) {
   std::size_t standard = 0;
@@ -136,7 +136,7 @@ Key word(const char* name, Variable& variable, const std::vector<std::string>& w
 }
 // True for the word `yes`, false for the others.
 Key word(const char* name, bool& variable, const std::vector<std::string>& words, const char* yes, const char* meaning);
-// The word itself; the variable's own has to be one of them where the key has a default.
+// The word itself; if the key has a default, the variable's value must be one of the words.
 Key word(const char* name, std::string& variable, const std::vector<std::string>& words, const char* meaning);
 
 Key flag(const char* name, bool& variable, const char* meaning);
@@ -144,7 +144,7 @@ Key text(const char* name, std::string& variable, const char* meaning);
 Key name(const char* name, std::string& variable, const char* meaning);  // required, neither empty nor blank
 Key texts(const char* name, std::vector<std::string>& variable, const char* meaning);
 Key numbers(const char* name, std::vector<double>& variable, const Unit& unit, const char* meaning);  // required
-// A number, or a list of them; by default one, the first that the variable holds.
+// A number, or a list of numbers; the default is the variable's first number.
 Key numbers_or_one(const char* name, std::vector<double>& variable, const Unit& unit, const char* meaning);
 Key schema();  // version 1 of a file's format; required
 
@@ -152,7 +152,7 @@ Key schema();  // version 1 of a file's format; required
 Key made(KeyFacts facts, std::function<void(const TomlTable&)> read);
 
 Key required(Key key);
-Key optional(Key key);                                // where it is absent the variable keeps its value
+Key optional(Key key);                                // if absent, the variable keeps its value
 Key described(Key key, const std::string& standard);  // a default that depends on other keys, in words
 
 }  // namespace key

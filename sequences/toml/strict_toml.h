@@ -31,7 +31,7 @@ class FileError : public std::runtime_error {
 struct Override {          // --set key=value
   std::string key;         // dotted
   std::string value;       // a TOML value; a bare word counts as a string
-  std::string typed = {};  // as it was typed, where that was another unit's number: "9bar"
+  std::string typed = {};  // the text as typed, if it had another unit: "9bar"
 };
 
 struct Setting {       // a key read, with its value
@@ -54,12 +54,12 @@ class TomlDocument {
   void remove(const std::string& key);  // of the root; an absent key is not an error
   // From now on the text "$name" means `value` wherever a number is read.
   void define(const std::string& name, double value);
-  [[nodiscard]] bool uses(const std::string& name) const;  // "$name" was read
+  [[nodiscard]] bool uses(const std::string& name) const;  // whether "$name" was read
   [[nodiscard]] TomlTable root() const;
-  [[nodiscard]] std::string to_text() const;  // as TOML, with the values set and without those removed; no comments
-  [[nodiscard]] const std::string& text() const { return text_; }  // as read, overrides not in it
+  [[nodiscard]] std::string to_text() const;  // the document as TOML, with values set and removed; without comments
+  [[nodiscard]] const std::string& text() const { return text_; }  // the text as read, without overrides
   [[nodiscard]] const std::string& name() const { return name_; }
-  [[nodiscard]] const std::vector<Setting>& settings() const;  // all read so far, in the order of reading
+  [[nodiscard]] const std::vector<Setting>& settings() const;  // all keys read so far, in the order of reading
 
  private:
   struct Node;
@@ -68,8 +68,8 @@ class TomlDocument {
   std::shared_ptr<Node> node_;
 };
 
-// A table being read. Reading a key marks it known; finish() refuses the keys that were not read. Where a key's name
-// ends with _psi its numbers may be texts with a unit, "100 kPa" (pressure_text.h).
+// A table being read. Reading a key marks it known; finish() refuses the keys that were not read. If a key's name ends
+// with _psi, its numbers may be texts with a unit, "100 kPa" (pressure_text.h).
 class TomlTable {
  public:
   [[nodiscard]] bool has(const std::string& key) const;
@@ -82,7 +82,7 @@ class TomlTable {
   // Like number_in(), but accepts 0 (none), too.
   [[nodiscard]] double zero_or_in(const std::string& key, std::optional<double> fallback, double low,
                                   double high) const;
-  // Refuses a value of `key` outside low..high, as number_in() does: for limits that other keys set.
+  // Refuses a value of `key` outside low..high, as number_in() does: for limits that depend on other keys.
   void check_range(const std::string& key, double value, double low, double high) const;
   [[nodiscard]] long integer(const std::string& key, long low, long high) const;
   [[nodiscard]] long integer(const std::string& key, long fallback, long low, long high) const;

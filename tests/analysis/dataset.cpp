@@ -1,4 +1,4 @@
-// What a run's record becomes, sample by sample: scales, noise, times, temperatures, and records that do not fit.
+// A run's record as a Dataset, sample by sample: scales, noise, times, temperatures, and records that do not fit.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
@@ -27,7 +27,7 @@ db::FrameRecord frame_of_two(std::int64_t branch, int ordinal, std::vector<std::
   return frame;
 }
 
-// One sequence of two frames a repeat, two repeats; a scan has two taxels.
+// One sequence of two frames per repeat, two repeats; a scan has two taxels.
 StoredRun record_of_four() {
   StoredRun run;
   run.record.run = 6;
@@ -128,7 +128,7 @@ TEST_CASE("load_dataset: frames that do not fit the run are refused, frames of v
     CAPTURE(i);
     CHECK(with(changes[i]) == "TB-ANALYSIS-FRAME");
   }
-  // A void branch of unknown frames is not looked at.
+  // A void branch of unknown frames is not checked.
   CHECK(with([](StoredRun& run) {
           run.branches[1].is_void = true;
           run.frames[2].rows = 9;
@@ -182,7 +182,7 @@ TEST_CASE("elapsed time: counts from the command, and a gap beyond 5 s of settli
     const TimePassed found = time_passed({0, 0, time_s, held_s}, before_s);
     return std::pair(found.worked_s, found.step_s);
   };
-  CHECK(passed(10, 2, 7) == std::pair(0.0, 3.0));    // a second of settling beside the command
+  CHECK(passed(10, 2, 7) == std::pair(0.0, 3.0));    // one second of settling in addition to the command
   CHECK(passed(14, 2, 7) == std::pair(0.0, 7.0));    // five
   CHECK(passed(14.5, 2, 7) == std::pair(5.5, 2.0));  // more than that was conditioning
   CHECK(passed(6, 2, 7) == std::pair(0.0, 0.0));     // the clock went back

@@ -54,7 +54,7 @@ db::FrameRecord frame(std::int64_t branch, int ordinal, double level, std::vecto
   return record;
 }
 
-// One taxel pair, levels 0 2 0 in two branches a repeat; the counts tell repeat and step.
+// One taxel pair, levels 0 2 0 in two branches per repeat; the counts tell repeat and step.
 void record_repeat(db::RunStore& store, std::int64_t run, int repeat, int frames = 3, int attempt = 0) {
   const double levels[] = {0.0, 2.0, 0.0};
   std::int64_t branch = 0;

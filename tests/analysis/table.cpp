@@ -198,7 +198,7 @@ TEST_CASE("read_table: times that go back are refused, unless a counter wraps") 
     CHECK(times(other, {"1", "2", "1.5"}).first == "accepted");
   CHECK(times("time_s", {"1", "2", "1.5"}, "time=none").first == "accepted");
   CHECK(times("at", {"1", "2", "1.5"}, "time=at").first == "TB-TABLE-TIME t:4");
-  CHECK(times("time_s", {"noon", "dawn"}).first == "accepted");  // no times: not looked at
+  CHECK(times("time_s", {"noon", "dawn"}).first == "accepted");  // not a column of times: not checked
   CHECK(times("time", {"10:11:12.5", "10:11:13", "10:11:12.9"}).first == "TB-TABLE-TIME t:4");
   CHECK(times("Date Time", {"2026-10-31 23:59:59", "2026-11-01 00:00:00", "2026-10-31 23:59:59"}).first ==
         "TB-TABLE-TIME t:4");
@@ -289,7 +289,7 @@ TEST_CASE("read_table: step numbers rise or restart where they began, per sequen
   CHECK(read("sequence,step,input,output\na,5,0,0\nb,1,1,1\na,6,1,1\nb,2,0,0\n").size() == 2);
   CHECK(read("input,output,taxel,step\n0,0,1,1\n0,0,2,1\n1,1,1,2\n1,1,2,2\n").size() == 2);
   CHECK(refusal("step,input,output,taxel\n1,0,0,4\n1,0,0,4\n") == "TB-TABLE-STEP t:3");
-  CHECK(read("step,input,output\nup,0,0\nup,1,1\n")[0].input.size() == 2);  // no number: not looked at
+  CHECK(read("step,input,output\nup,0,0\nup,1,1\n")[0].input.size() == 2);  // not a number: not checked
 }
 
 TEST_CASE("read_table: decimal commas are read if another separator or quotes allow it, and are reported") {
@@ -302,7 +302,7 @@ TEST_CASE("read_table: decimal commas are read if another separator or quotes al
     REQUIRE_FALSE(table.assumed.empty());
     CHECK_THAT(table.assumed.back(), Catch::Contains("3") && Catch::Contains("1,5"));
   }
-  // Commas beside points, and thousands separators.
+  // Commas together with points, and thousands separators.
   for (const char* mixed : {"1,5;2\n1.500;3\n", "1.5;2\n1;2,5\n", "1;2\n1.234,5;2\n", "1;2\n1,234,567;2\n"})
     CHECK(refusal(std::string("input;output\n") + mixed) == "TB-TABLE-ROW t:3");
   CHECK(refusal("input,output\n1,5,2,5\n") == "TB-TABLE-ROW t:2");
@@ -359,7 +359,7 @@ TEST_CASE("bad rows: are skipped on request, the first 20 are named with their l
   CHECK(rows(4, 3) == "TB-TABLE-SKIPPED t");
   CHECK(rows(10000, 10000) == "accepted");
   CHECK(rows(10001, 10001) == "TB-TABLE-SKIPPED t");  // a file of bad rows alone is not read to its end
-  // What is no bad row is refused all the same.
+  // Other errors than a bad row are still refused.
   CHECK(refusal("step,input,output\n1,1,2\n1,3,4\n", {}, true) == "TB-TABLE-STEP t:3");
   CHECK(refusal("input,output\n1,2\n1" + std::string(1, '\0') + ",2\n", {}, true) == "TB-TABLE-ROW t:3");
 }
@@ -396,7 +396,7 @@ TableSeries sweeps() {
   return series;
 }
 
-// Rests at 0 but for presses of `length` samples from 100 on.
+// Rests at 0 except for presses of `length` samples from 100 on.
 TableSeries presses(std::size_t length, double input, double output) {
   TableSeries series;
   for (std::size_t i = 0; i < kSamples; ++i) {

@@ -185,9 +185,9 @@ TEST_CASE("fit: defaults to the dynamic model of one run, uses ELAM if that is i
   };
   CHECK(kind({"1", "--model", "elam"}) == "elam");
   const auto mean_error = [&](const char* subject) {
-    const json told =
+    const json printed =
         json::parse(call(folder, {"trend", "--subject", subject, "--figure", "mean error", "--json"}).out);
-    return told["subjects"].back()["figures"][0]["values"].back().get<double>();
+    return printed["subjects"].back()["figures"][0]["values"].back().get<double>();
   };
   const double of_elam = mean_error("sensor/S-1/");
   CHECK(kind({"1"}) == "dynamic");

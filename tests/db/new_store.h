@@ -11,14 +11,14 @@
 
 namespace tactbench::tests {
 
-// A store of its own, in a folder that goes with it.
+// A new store in a folder that is removed with it.
 class NewStore : TemporaryFolder, public db::RunStore {
  public:
   NewStore() : RunStore(open(TemporaryFolder::path("runs.db"))) {}
   using RunStore::path;
 };
 
-// The exit code of `action` in a process of its own.
+// The exit code of `action` in a separate process.
 template <class Action>
 int in_child(Action action) {
   const pid_t child = fork();

@@ -63,7 +63,7 @@ TEST_CASE("nights: a night that is refused half way leaves nothing") {
   CHECK(store.add_night(night) == 1);
 }
 
-TEST_CASE("run lookup: a run is found by its UUID, and an unknown UUID gives none") {
+TEST_CASE("run lookup: a run is found by its UUID, and an unknown UUID finds no run") {
   NewStore store;
   CHECK(store.run_of_uuid("") == 0);
   const std::int64_t first = store_example(store), second = store_example(store);

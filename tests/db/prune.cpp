@@ -98,7 +98,7 @@ TEST_CASE("prune: keeps the frames of hardware, non-nightly, void, pinned, repor
     CHECK(store_error([&] { store.prune_frames(run, kRule, kUtc); }) == "TB-STORE-CONFLICT");
   }
   CHECK(store.frame_count(real) == 3);
-  // What a verdict of a kept run rests on stays, on either side of the verdict.
+  // Runs on which a verdict of a kept run is based are kept, on either side of the verdict.
   const std::int64_t models = night_run(store), judged = night_run(store);
   judge(store, models, pinned);
   judge(store, reported, judged);

@@ -16,7 +16,7 @@ using Positions = std::vector<std::int64_t>;
 
 namespace {
 
-// Three runs of which the second, of five frames, is looked at.
+// Three runs; the second, with five frames, is read.
 struct Looked {
   TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"));

@@ -48,7 +48,7 @@ TEST_CASE("baselines: a baseline requires a date and runs of one origin") {
   CHECK(added(kUtc, {simulated}).empty());
   CHECK(added(kUtc, {real}).empty());
   CHECK(store.baselines().size() == 2);
-  // A repetition beside a run measured anew is no reason to refuse: one figure has a spread.
+  // A repetition together with a newly measured run is accepted: one figure has a spread.
   const std::int64_t again = seeded(store, 1), anew = seeded(store, 5);
   store.replace_figures(again, "rig", {{"x_psi", 7.0}});
   store.replace_figures(anew, "rig", {{"x_psi", 8.0}});

@@ -1,4 +1,4 @@
-// What a check of content names where a run is short, still open, or changed in several places; and of a store.
+// Findings of the content check for a run that is short, open, or changed in several places; and for a store.
 #include <catch2/catch.hpp>
 
 #include "db/schema.h"
@@ -14,7 +14,7 @@ using db::sqlite::Connection;
 
 namespace {
 
-// What is named of a run of `frames` frames after `sql`.
+// The finding for a run of `frames` frames after `sql`.
 std::string named_after(int frames, bool ended, const std::string& sql) {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"), db::Durability::kNormal);

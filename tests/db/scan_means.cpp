@@ -24,7 +24,7 @@ TEST_CASE("scans: a sample far from the majority of the others is left out of th
   CHECK(mean_of({0, 5000, 5004, 5008}) == 5004.0);
   CHECK(mean_of({30000, 5000, 5004}) == 5002.0);
   CHECK(mean_of({65535}) == 65535.0);                      // there is no other
-  CHECK(mean_of({5000, 5000, 65535, 65535}) == 35267.5);   // nor here a majority
+  CHECK(mean_of({5000, 5000, 65535, 65535}) == 35267.5);   // no majority here either
   CHECK(mean_of({65535, 65535, 65535, 5000}) == 65535.0);  // the taxel is at the limit
 }
 

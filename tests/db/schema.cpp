@@ -102,7 +102,7 @@ TEST_CASE("store schema: the views show runs, frames and verdicts with their uni
 
 namespace {
 
-// What a later version would be: one more column, with what it was until then.
+// A later version: one more column, with the value that held before.
 const db::Migrations& with_second_schema() {
   static const db::Migrations both = {db::schema_1(),
                                       "ALTER TABLE runs ADD COLUMN weather TEXT NOT NULL DEFAULT 'not recorded'"};

@@ -1,4 +1,4 @@
-// Rows beside a run's content lie under hashes of their own: no change or deletion goes unnoticed.
+// Rows in addition to a run's content have their own hashes: no change or deletion goes unnoticed.
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
@@ -44,9 +44,9 @@ std::string sealed_rows_after(const std::string& sql) {
   CHECK(store.check_seals(run).empty());
   Connection(store.path(), Access::kReadWrite).execute("PRAGMA foreign_keys = OFF; " + sql);
   CHECK(store.check_content(run).holds());
-  const std::vector<std::string> told = store.check_seals(run);
-  CHECK(told.size() <= 1);
-  return told.empty() ? "" : told.front().substr(0, told.front().find(':'));
+  const std::vector<std::string> differences = store.check_seals(run);
+  CHECK(differences.size() <= 1);
+  return differences.empty() ? "" : differences.front().substr(0, differences.front().find(':'));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What a store's file is taken for by its first hundred bytes, built here by hand after sqlite.org/fileformat2.html.
+// Recognition of a store's file by its first hundred bytes, built here by hand after sqlite.org/fileformat2.html.
 #include "db/store_file.h"
 
 #include <linux/magic.h>

@@ -55,7 +55,7 @@ TEST_CASE("store opening: a file that is not a database is refused") {
   const TemporaryFolder folder;
   RunStore::open(folder.path("good.db"));
   const std::string good = read_file(folder.path("good.db"));
-  // The last two: a valid header but for its last byte, alone, and over other bytes.
+  // The last two: a valid header without its last byte, alone, and before other bytes.
   for (const std::string& text : {std::string(5000, 'x'), std::string("short"), std::string("x"), good.substr(0, 99),
                                   good.substr(0, 100), good.substr(0, 100) + std::string(8092, 'x')}) {
     write_file(folder.path("runs.db"), text);

@@ -67,7 +67,7 @@ std::map<int, int> resume_at_once(const std::string& path, int count, bool held)
 
 }  // namespace
 
-TEST_CASE("run store: of several processes that resume a run at once only one succeeds, and the run still verifies") {
+TEST_CASE("run store: if several processes resume a run at the same time, only one succeeds, and the run verifies") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");
   {

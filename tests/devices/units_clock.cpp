@@ -99,7 +99,7 @@ TEST_CASE("library versions: each device library has its own version number") {
     CHECK(versions[i].second.find('.') != std::string::npos);
   }
   CHECK(versions[0].second.starts_with(LIBMODBUS_VERSION_STRING));
-  // pugixml tells its version as one number: 1 for the main one, two digits for the minor one, one for a patch.
+  // pugixml reports its version as one number: 1 for the main one, two digits for the minor one, one for a patch.
   const std::string digits = std::to_string(PUGIXML_VERSION);
   REQUIRE(digits.size() == 4);
   const std::string minor = digits.substr(1, 2);

@@ -42,7 +42,7 @@ def verbs_page(program):
         if path:
             usage = next(i for i, line in enumerate(lines) if line.startswith("Usage: "))
             about = ". ".join([lines[0], " ".join(lines[1:usage])] if usage > 1 else lines[:1]).strip().rstrip(".")
-            kept = [line for line in lines[usage + 1:] if not line.startswith(("Of every verb:", "Rarely needed options:"))]
+            kept = [line for line in lines[usage + 1:] if not line.startswith(("For every verb:", "Rarely needed options:"))]
             page += f"\n## {' '.join(path)}\n{about[:1].upper()}{about[1:]}.\n\n```text\n{lines[usage][7:]}\n" + "\n".join(kept).rstrip() + "\n```\n"
         for verb in subverbs:
             add([*path, verb])

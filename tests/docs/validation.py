@@ -101,7 +101,7 @@ PROGRAM_ITSELF = [
     ("A digital certificate says what the report says", ["docs: a digital calibration certificate says what the report's data say",
                                                          "a DCC lists every taxel at every level, and one without a model is NaN in error, U and k"]),
     ("Simulated data are marked", ["report: banner and page header say simulated exactly if a run is simulated",
-                                   "the identifier of a DCC says simulated and draft, and a later one what it replaces"]),
+                                   "DCC: the identifier states simulated and draft, and a later report states which one it replaces"]),
 ]
 
 

@@ -13,7 +13,7 @@ void check_serial(Breakage breakage) { check_row(Bench::kChamber, on_serial_benc
 
 }  // namespace
 
-// What it is told is carried out, though its answers are lost.
+// It carries out commands although its answers are lost.
 TEST_CASE("chamber: controller silent") { check_serial(breakage(FaultKind::kControllerSilent)); }
 TEST_CASE("chamber: controller silent, once") { check_serial(once(FaultKind::kControllerSilent)); }
 TEST_CASE("chamber: controller late") { check_serial(breakage(FaultKind::kControllerLate)); }

@@ -1,4 +1,4 @@
-// What happens to the store and to the process: disk full, read-only, locked, a request to end. Same points.
+// Faults of the store and the process: disk full, read-only, locked, a request to end. Same points.
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <cerrno>
@@ -39,7 +39,7 @@ Breakage other_connection(const std::string& name, const std::string& begin) {
   return made;
 }
 
-// Longer than a run stands for it.
+// Longer than a run waits for it.
 Breakage locked_for_long() {
   const auto writer = std::make_shared<std::thread>();
   const auto writes = std::make_shared<std::atomic<bool>>(false);

@@ -1,4 +1,4 @@
-// What each kind of step takes by the model, worked out by hand, and what an estimate sums.
+// The time of each kind of step by the model, computed by hand, and the sums of an estimate.
 #include <catch2/catch.hpp>
 
 #include "sequences/estimate.h"

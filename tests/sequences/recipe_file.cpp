@@ -132,7 +132,7 @@ TEST_CASE("recipe: parameters and pressure keys accept other units, a bare numbe
   CHECK(with({{"conditioning.peak", "30 psi"}}).conditioning.peak.value() == Approx(30.0));
   CHECK(with({{"step", "50"}, {"unit", "psi"}, {"turning_points", "[0, 50, 0]"}, {"conditioning.peak", "200kPa"}})
             .conditioning.peak.value() == Approx(200.0 / 6.894757293168));
-  // The unit that is typed counts for all, wherever it stands.
+  // The typed unit applies to all values, wherever it is.
   const Recipe psi = with({{"turning_points", "[0, 50, 0]"}, {"step", "25"}, {"unit", "psi"}});
   CHECK((psi.turning_points[1].value() == 50.0 && psi.step.value() == 25.0));
   CHECK(psi.conditioning.peak.value() == 300.0);
@@ -182,7 +182,7 @@ TEST_CASE("recipe list: entries set the recipe's parameters, and the stored text
   const int repeats[] = {1, 3, 2};
   for (std::size_t i = 0; i < 3; ++i) {
     CHECK((set.recipes[i].step.value() == steps[i] && set.recipes[i].repeats == repeats[i]));
-    // What a run stores is enough to go on from.
+    // The stored text is enough to continue a run.
     const Recipe again = parse_recipe(TomlDocument::from_text(set.recipes[i].text, "stored"));
     CHECK((again.step.value() == steps[i] && again.repeats == repeats[i]));
   }

@@ -1,4 +1,4 @@
-// What a recipe is refused for: the error's id, its place, and the number or key that it is about.
+// Refusals of a recipe: the error's id, its place, and the number or key at fault.
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>

@@ -38,13 +38,13 @@ inline void check_refusals(const std::vector<Refusal>& all, const std::function<
   for (const Refusal& one : all) check_refusal([&] { read(one.body); }, one);
 }
 
-// What `read` says of the root of each text.
+// The result of `read` for the root of each text.
 template <class Read>
 void check_refused_reading(Read read, const std::vector<Refusal>& all) {
   check_refusals(all, [&](const std::string& text) { (void)read(TomlDocument::from_text(text, "t").root()); });
 }
 
-// What a document remembers of each key that was asked for.
+// A document's record of each requested key.
 inline std::string noted(const TomlDocument& document) {
   std::string all;
   for (const Setting& setting : document.settings())

@@ -1,4 +1,4 @@
-// A program that runs beside a test, its standard output read line by line; killed by its id when the test ends, and
+// A program that runs during a test, its standard output read line by line; killed by its id when the test ends, and
 // by the kernel when the test dies.
 #pragma once
 

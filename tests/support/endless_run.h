@@ -1,4 +1,4 @@
-// `tactbench run` of a recipe that does not end, on a bench simulated in its own process, with a bench id of its own.
+// `tactbench run` of a recipe that does not end, on a bench simulated in its own process, with a unique bench id.
 #pragma once
 
 #include <fmt/format.h>

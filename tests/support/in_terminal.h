@@ -1,4 +1,4 @@
-// The program under test in a terminal of its own (a pseudo-terminal), as a user sees it.
+// The program under test in a separate terminal (a pseudo-terminal), as a user sees it.
 #pragma once
 
 #include <fcntl.h>

@@ -1,4 +1,4 @@
-// Where the tests find the source tree and what was built beside them, absolute. The paths stand in one source, so that
+// Absolute paths of the source tree and of the built programs. The paths are in one source, so that
 // all others are compiled alike in every checkout.
 #pragma once
 

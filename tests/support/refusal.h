@@ -7,7 +7,7 @@
 
 namespace tactbench::tests {
 
-// None where `work` comes to its end; other exceptions pass.
+// None if `work` ends without an error; other exceptions pass.
 template <class Work>
 std::optional<bench::Error> refusal_by(const Work& work) {
   try {

@@ -15,7 +15,7 @@ inline sequences::Recipe recipe_of(const std::string& text) {
       sequences::TomlDocument::from_text("schema = 1\nname = \"small\"\n" + text, "small.toml"));
 }
 
-// 0 - 8 - 2 - 8 - 0 psi in steps of 2, two repeats, one conditioning cycle: 15 frames a repeat.
+// 0 - 8 - 2 - 8 - 0 psi in steps of 2, two repeats, one conditioning cycle: 15 frames per repeat.
 inline sequences::Recipe small_recipe(const std::string& more = {}) {
   return recipe_of("unit = \"psi\"\nturning_points = [0, 8, 2, 8, 0]\nstep = 2\nrepeats = 2\n" + more +
                    "[conditioning]\ncycles = 1\npeak = 20\n");

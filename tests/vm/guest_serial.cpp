@@ -85,7 +85,7 @@ struct Rig {
   ZaberStage stage{[] { return open_serial(usb_port()); }, paper_stage(), clock};
 };
 
-// What the kernel believes of the port; root may look in spite of TIOCEXCL.
+// The kernel's settings of the port; root may look in spite of TIOCEXCL.
 termios settings() {
   termios result{};
   const int port = ::open(kPort, O_RDWR | O_NOCTTY | O_NONBLOCK);

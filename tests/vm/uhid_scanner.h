@@ -19,7 +19,7 @@ class UhidScanner {
   static constexpr std::uint16_t kVendor = 0x5443;  // invented
   static constexpr std::uint16_t kProduct = 0x0016;
   using Report = std::array<std::uint8_t, devices::kScanReportBytes>;
-  // What happens to the answer of a scan, in the scanner's thread, before it is sent; none by default.
+  // Change of a scan's answer, in the scanner's thread, before it is sent; none by default.
   using Mishap = std::function<void(UhidScanner&, std::vector<Report>&)>;
 
   // Throws std::runtime_error when the kernel refuses.

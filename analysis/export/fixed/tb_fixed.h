@@ -81,7 +81,8 @@ static inline int32_t tb_signed(uint16_t low, uint16_t high) {
   return ((int32_t)high - (high & 0x8000U ? 0x10000 : 0)) * 0x10000 + (int32_t)low;
 }
 
-/* CRC-32 (zlib's crc32) of words of 16 bits, the low byte first; of several parts one after another, from TB_HASH_START. */
+/* CRC-32 (zlib's crc32) of words of 16 bits, the low byte first; of several parts one after another, from
+ * TB_HASH_START. */
 #define TB_HASH_START 0U
 static inline uint32_t tb_hash(uint32_t hash, const uint16_t* words, uint32_t count) {
   uint32_t i, bit;

@@ -17,7 +17,7 @@ struct DynamicFitOptions {
 
 // The taxels' models and figures are of the static film: outputs of `fitted` with creep removed, at the pressures that
 // have arrived. Validity covers the holds and rates of all three runs. `rate` and `creep` may be one run. Content
-// hashes are left empty: a Dataset does not tell them. Deterministic; threads by taxel. Throws AnalysisError
+// hashes are left empty, because a Dataset does not have them. Deterministic; threads by taxel. Throws AnalysisError
 // TB-ANALYSIS-OTHER-SENSOR and TB-ANALYSIS-ORIGIN where a run is of another array or origin than `fitted`,
 // TB-ANALYSIS-DYNAMICS where `creep` holds no level or `rate` has no two rates, and as fit_array does.
 SensorModel fit_dynamic(const Dataset& fitted, const Dataset& rate, const Dataset& creep,

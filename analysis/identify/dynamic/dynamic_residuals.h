@@ -9,8 +9,8 @@ namespace tactbench::analysis {
 // Fills in residual_shape and the taxels' residual_psi of `model`, which was fitted to `undone` with `fit`: the outputs
 // of `fitted` with lag and creep removed. As of any model (residuals.h), in time: streams of models that did not see a
 // part of the inner branches read the whole run, and their errors on that part count. The shape is the root of half 1
-// and half those errors' squares by interval, of both directions apart and smoothed, over their mean: few branches tell
-// an interval. It is 1 where no inner branch tells.
+// and half those errors' squares by interval, of both directions apart and smoothed, over their mean: few branches
+// cover an interval. It is 1 if no inner branch covers it.
 void find_dynamic_residuals(const Dataset& fitted, const Dataset& undone, const FitOptions& fit, SensorModel& model);
 
 // Removes a dynamic model's lag and creep from measured histories, so that they can be compared with, or used to

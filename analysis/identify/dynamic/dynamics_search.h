@@ -19,7 +19,7 @@ struct ArrayDynamics {
 // `zero_v` and `usable` are per taxel. Creep: within each held level of `creep` the static output is constant, so that
 // the outputs' relative change is linear in the shares; half by search. Lag: repeats of `rate` differ by the slope
 // times what has not arrived; its time by search. Without a run (null) its part is 0. Levels that are held for less
-// than 10 samples tell nothing of creep, a rate run of one dwell nothing of the lag.
+// than 10 samples show nothing about creep, a rate run with one dwell nothing about the lag.
 ArrayDynamics find_dynamics(const Dataset* rate, const Dataset* creep, const std::vector<double>& zero_v,
                             const std::vector<bool>& usable);
 

@@ -20,7 +20,7 @@ class CreepMisfit {
               const FitOptions& fit);
   // Sum of squares over the square of the full output; infinite where no model can be fitted.
   [[nodiscard]] double operator()(const Dynamics& d) const;
-  // Slowest relaxation times to try, seconds: some within half of the run; none where it tells no times.
+  // Slowest relaxation times to try, seconds: some within half of the run; empty if it has no times.
   [[nodiscard]] const std::vector<double>& slowest_s() const { return slowest_s_; }
 
  private:
@@ -34,8 +34,8 @@ inline constexpr double kFastest = 3.0;  // seconds
 // Relaxation times evenly spaced over the logarithm of time, the slowest as given.
 std::array<double, kCreepElements> creep_times(double slowest_s, double fastest_s = kFastest);
 
-// One share for all relaxation times, a straight line over the logarithm of time: one dwell tells no more. Share and
-// slowest time are those of the least misfit; none (0) where creep does not explain a good part of it.
+// One share for all relaxation times, a straight line over the logarithm of time: one dwell determines no more. Share
+// and slowest time are those of the least misfit; none (0) where creep does not explain a good part of it.
 Dynamics creep_of_one_run(const CreepMisfit& misfit);
 
 // Creep of one share and lag of a recording with inputs from 0 to `highest`, samples `step_s` apart: in turn, each

@@ -26,8 +26,8 @@ class AscendingSearch {
   // Each of `values` downhill: Levenberg-Marquardt in the unit cube; beta_a rests in Gradient::kPlane.
   void descend(std::span<Value> values, int steps, Gradient gradient);
   // (8/16) evolution strategy with covariance matrix adaptation (Hansen, 2001) about `start`, in the metric of its
-  // normal equations, in which J would be round but for the kinks: where a sample crosses a knot or the split J's slope
-  // jumps, and minima lie on such kinks. Its variates are the same each time.
+  // normal equations, in which J would be round except for the kinks: where a sample crosses a knot or the split J's
+  // slope jumps, and minima lie on such kinks. Its variates are the same each time.
   Value evolve(const Value& start);
 
  private:

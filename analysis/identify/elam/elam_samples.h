@@ -51,7 +51,7 @@ double fit_descending(ElamModel& model, std::span<const CurveSamples> curves);
 double fit_ascending(ElamModel& model, std::span<const CurveSamples> curves);
 
 // Adds the sizes of the pieces for `splits` split points a branch to a model that was fitted with one, and moves its
-// parameters with them: J over `samples` is at most what it was, but for rounding. Deterministic.
+// parameters with them: J over `samples` is at most what it was, except for rounding. Deterministic.
 ElamPieces fit_pieces(ElamModel& model, const ElamSamples& samples, int splits);
 
 }  // namespace tactbench::analysis

@@ -1,4 +1,4 @@
-// What evolution strategies with an adapted covariance share: constants, and a fixed sequence of variates.
+// Shared by the evolution strategies with an adapted covariance: constants, and a fixed sequence of variates.
 #pragma once
 
 #include <algorithm>

@@ -22,7 +22,7 @@ std::string title_of_judged(const ReportInput& input, std::int64_t run) {
     return others ? "this run" : "own run (calibration data)";
   }
   const HeldOut* const held_out = held_out_of(input, run);
-  return held_out == nullptr ? "a run that is no part of this report" : held_out->title;
+  return held_out == nullptr ? "a run that is not part of this report" : held_out->title;
 }
 
 const Evaluation* evaluation_of(const ReportInput& input, std::int64_t run) {

@@ -79,7 +79,8 @@ void append_json(const Json& json, std::string& text) {
   } else if (json.is_number_float()) {
     const auto number = json.get<double>();
     if (std::isfinite(number))
-      fmt::format_to(std::back_inserter(text), "{}", number);  // as many digits as tell it from its neighbours
+      fmt::format_to(std::back_inserter(text), "{}",
+                     number);  // the fewest digits that distinguish it from its neighbours
     else
       text += "null";
   } else if (json.is_number_integer()) {
@@ -157,7 +158,7 @@ Json parameter_names(const SensorModel& fit) {
   return names;
 }
 
-// Lag and creep that a dynamic model undoes, and the runs that they were taken from, are there only where it has them.
+// Lag and creep of a dynamic model, and the runs from which they were fitted, are included only if the model has them.
 Json model_json(const SensorModel& fit) {
   const bool none = fit.taxels.empty();
   Json taxels = Json::array();
@@ -219,7 +220,7 @@ Json judged_json(const ReportInput& input, const JudgedFigure& figure) {
   return json;
 }
 
-// Runs by their titles: the store's numbers are no part of a report's content.
+// Runs are named by titles: the store's numbers are not part of a report's content.
 void name_runs(const ReportInput& input, Json& json) {
   if (json.is_object() && json.contains("run")) {
     json["on"] = title_of_judged(input, json["run"].get<std::int64_t>());
@@ -392,7 +393,7 @@ std::string model_sha256(const SensorModel& fit) {
     } else if (taxel.fit.model != nullptr) {
       bytes += model_json(*taxel.fit.model).dump();
     } else if (is_elam) {
-      add(std::array{0.5, 0.5, 0.0, 0.5, 0.5});  // as reports have counted a taxel without a model
+      add(std::array{0.5, 0.5, 0.0, 0.5, 0.5});  // the numbers that reports have for a taxel without a model
     }
     for (const PatternCurve* curve : {&taxel.ascending, &taxel.descending}) add(curve->y());
     if (fit.dynamics) add(std::array{taxel.creep_scale, taxel.lag_share, taxel.residual_psi});
@@ -411,7 +412,7 @@ std::string model_sha256(const SensorModel& fit) {
   return db::sha256_hex(bytes);
 }
 
-// What creep and temperature were found to be, as JSON.
+// The determined effects of creep and temperature, as JSON.
 
 namespace {
 

@@ -1,4 +1,4 @@
-// JSON helpers for the report's data: one line, ASCII; what is not finite becomes null.
+// JSON helpers for the report's data: one line, ASCII; non-finite numbers become null.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -13,15 +13,15 @@ struct CreepEffect;
 struct Evaluation;
 struct TemperatureEffect;
 
-// A list of numbers, which most of a report is, as finished text inside the tree: a binary value, which only json_text
-// can write. Seven significant digits are finer than any converter step.
+// A list of numbers, stored in the tree as finished text (a binary value, which only json_text can write), because most
+// of a report is numbers. Seven significant digits are finer than any converter step.
 nlohmann::ordered_json number_list(std::span<const double> values, int digits = 7);
 
-// Numbers outside such lists with all their digits.
+// Numbers outside these lists have all their digits.
 std::string json_text(const nlohmann::ordered_json& json);
 
-// evaluation_json() with the figures of each level. `fitted`: number of taxels with models; where the estimates of all
-// of them were flagged, no observable one is left.
+// evaluation_json() with the figures of each level. `fitted`: number of taxels with models; if the estimates of all of
+// them were flagged, none is observable.
 nlohmann::ordered_json whole_evaluation_json(const Evaluation& evaluation, int fitted);
 
 // Effects of creep and of temperature; both must be assessed.
@@ -30,10 +30,10 @@ nlohmann::ordered_json temperature_effect_json(const TemperatureEffect& effect);
 
 // Data of the report's sections as JSON.
 
-// identification_json() holds what names the run (number, UUID, times, host), so that the content hash can omit it; the
-// others hold results. JSON in ASCII; null where a figure is not available.
+// identification_json() contains what identifies the run (number, UUID, times, host), so that the content hash can omit
+// it; the others contain results. JSON in ASCII; null where a figure is not available.
 std::string identification_json(const ReportInput& input);
-std::string approvals_json(const ReportInput& input);  // the signatures, a part of it
+std::string approvals_json(const ReportInput& input);  // the signatures, a part of the identification
 std::string results_json(const ReportInput& input);
 std::string uncertainty_json(const ReportInput& input);
 std::string health_json(const ReportInput& input);

@@ -77,7 +77,7 @@ std::vector<ReadingLevel> levels_without_u(const Uncertainty& uncertainty) {
   return levels;
 }
 
-// The longest row of neighbouring levels that all hold.
+// The longest sequence of neighbouring levels for which `holds` is true.
 template <class Holds>
 MeasuringInterval longest_span(const std::vector<double>& rising, Holds holds) {
   MeasuringInterval best, now;

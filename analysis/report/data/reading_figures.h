@@ -1,5 +1,5 @@
-// How wrong a reading is: the figures of pages 1, 4 and 5, over the taxels at each level. Each is computed only here
-// and stored in the report's data. A quantile is quantile_of() (moments.h).
+// Errors of a reading: the figures of pages 1, 4 and 5, over the taxels at each level. They are computed only here and
+// stored in the report's data. A quantile is quantile_of() (moments.h).
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -13,8 +13,8 @@
 
 namespace tactbench::analysis {
 
-inline constexpr double kTaxelsWithin = kMeasuringShare;  // of the taxels, which statements are about
-inline constexpr double kToleratedShare = 0.02;           // of the full pressure, where the limits state no MPE
+inline constexpr double kTaxelsWithin = kMeasuringShare;  // share of the taxels to which statements apply
+inline constexpr double kToleratedShare = 0.02;           // of the full pressure, if the limits state no MPE
 
 struct ReadingLevel {
   double pressure_psi = 0.0;
@@ -23,21 +23,21 @@ struct ReadingLevel {
   double within_psi = 0.0;                                // |error| + U that 95 % of the taxels do not exceed
   double low_psi = 0.0, high_psi = 0.0;                   // 2.5 % quantile of error - U, 97.5 % quantile of error + U
   double expanded_within_psi = 0.0;                       // U that 95 % of the taxels do not exceed
-  double mean_expanded_psi = kNan;                        // of the mean of all taxels, from the budgets
+  double mean_expanded_psi = kNan;                        // U of the mean of all taxels, from the budgets
   int worst = -1;                                         // taxel with the largest |error| + U here
   double worst_psi = 0.0;                                 // that sum
   std::vector<double> error_psi, expanded_psi;            // taxels
-  [[nodiscard]] double sum_psi(std::size_t taxel) const;  // |error| + U, of |error| alone where U is not known
+  [[nodiscard]] double sum_psi(std::size_t taxel) const;  // |error| + U, or |error| if U is not known
 };
 
-// The tightest MPE of the limits that judged, else a share of the full pressure.
+// The smallest MPE of the applied limits, else a share of the full pressure.
 struct ReadingTolerance {
   double psi = 0.0;
   bool is_mpe = false;
 };
 ReadingTolerance reading_tolerance(const ReportInput& input);
 
-struct WorstTaxel {  // by |error| + U over the kinds of histories measured, their levels and directions
+struct WorstTaxel {  // largest |error| + U over the measured kinds of history, levels and directions
   int taxel = -1;
   double pressure_psi = 0.0, error_psi = 0.0, expanded_psi = 0.0;
   bool up = true;
@@ -45,13 +45,13 @@ struct WorstTaxel {  // by |error| + U over the kinds of histories measured, the
 };
 
 struct ReadingFigures {
-  std::string kind;  // of histories, the worst of those measured; empty: for none is U known, and U is NaN
+  std::string kind;  // the worst of the measured kinds of history; empty: U is not known for any, and U is NaN
   double full_psi = 0.0, tolerance_psi = 0.0;
   bool by_mpe = false;                   // the tolerance is the MPE of the limits, else a share of the full pressure
-  std::vector<ReadingLevel> levels;      // up by rising pressure, then down
-  MeasuringInterval span_up, span_down;  // where 95 % of the taxels are within the tolerance
-  // The tolerance of the headline: the MPE, else the least share of the full pressure that 95 % of the taxels keep in
-  // both directions over at least half of the range.
+  std::vector<ReadingLevel> levels;      // rising levels in ascending order, then falling ones
+  MeasuringInterval span_up, span_down;  // interval in which 95 % of the taxels are within the tolerance
+  // The tolerance of the headline: the MPE, else the smallest share of the full pressure that 95 % of the taxels meet
+  // in both directions over at least half of the range.
   double headline_psi = 0.0;
   MeasuringInterval headline;
   WorstTaxel worst;

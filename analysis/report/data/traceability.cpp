@@ -21,7 +21,7 @@ struct TracedQuantity {
 constexpr TracedQuantity kTracedPressure = {"traceability of the pressure", "Pressure", "pressure reference",
                                             "the pressure reference"};
 constexpr TracedQuantity kTracedForce = {"traceability of the force", "Force", "force sensor", "the force sensor"};
-constexpr TracedQuantity kTracedPlace = {"traceability of the place", "Place", "stage", "the stage"};
+constexpr TracedQuantity kTracedPlace = {"traceability of the position", "Place", "stage", "the stage"};
 
 std::string instrument_name(const InstrumentCalibration& calibration) {
   return fmt::format("{}, serial {}", calibration.model.empty() ? "model not stated" : calibration.model,
@@ -63,8 +63,8 @@ Traceability pressure_traceability(const db::RunRecord& run, std::span<const Ins
     return traced;
   }
   return {kTracedPressure.title,
-          "Pressure not independently traceable: no separate measurement standard took part, the regulator's feedback "
-          "stands in.",
+          "Pressure not independently traceable: there was no separate measurement standard; the regulator's feedback "
+          "was used.",
           false};
 }
 

@@ -15,7 +15,7 @@ namespace {
 
 using namespace dcc;
 
-// What changes with the schema's release; the patterns that 3.3.0 asks for are in xml.cpp.
+// The schema's release; the patterns that 3.3.0 requires are in xml.cpp.
 constexpr const char* kSchemaVersion = "3.3.0";
 
 // The days on which the report's runs were made.
@@ -35,7 +35,7 @@ Performance performance_of(const ReportInput& input) {
   return days;
 }
 
-// What a reader that knows nothing of the statements must see: made on simulated devices, signed by nobody.
+// States "simulated" and "draft", for readers that do not evaluate the statements.
 std::string identifier_of(const PageData& data, const std::string& number) {
   return fmt::format("{}{}{}", is_simulated(data.input) ? "SIMULATED-" : "", data.issue.draft() ? "DRAFT-" : "",
                      number);
@@ -105,14 +105,14 @@ Markup people(const PageData& data) {
       "<dcc:respPersons><dcc:respPerson><dcc:person>{}</dcc:person>{}<dcc:mainSigner>true</dcc:mainSigner>"
       "</dcc:respPerson></dcc:respPersons>\n<dcc:customer>{}<dcc:location><dcc:further><dcc:content>{}</dcc:content>"
       "</dcc:further></dcc:location></dcc:customer>\n",
-      data.issue.draft() ? name_of("nobody has signed: draft") : typed_name(data.issue.authorised_by), role,
+      data.issue.draft() ? name_of("draft: not signed") : typed_name(data.issue.authorised_by), role,
       typed_name(lab.customer), stated_text(lab.customer_address));
 }
 
 Markup statement(const char* name, const Markup& more, const char* ref_type = "") {
   const std::string type = *ref_type == '\0' ? "" : fmt::format(" refType=\"{}\"", ref_type);
   Markup attribute;
-  attribute.value = type;  // a literal of ours
+  attribute.value = type;  // a literal of this program
   return markup("<dcc:statement{}>{}{}</dcc:statement>\n", attribute, name_of(name), more);
 }
 
@@ -124,14 +124,15 @@ Markup dcc_statements(const PageData& data) {
     out += statement("Simulated", declared("Made on simulated devices: not a measurement of a real sensor."),
                      "tb_simulated");
   out += statement("State",
-                   declared(issue.draft() ? "Draft: nobody has signed it."
+                   declared(issue.draft() ? "Draft: not signed."
                                           : fmt::format("{}, by {} on {}.", signed_title_mark(issue.number),
                                                         issue.authorised_by, issue.authorised_utc)),
                    "tb_state");
   if (!is_certificate(input))
-    out += statement("No certificate of an accredited laboratory",
-                     declared(issue.document + ": of a certificate it lacks an accreditation, real data, or a pressure "
-                                               "traceable to a certificate that was in date."));
+    out += statement(
+        "Not a certificate of an accredited laboratory",
+        declared(issue.document +
+                 ": it lacks an accreditation, data of real devices, or a pressure traceable to a valid certificate."));
   if (!issue.replaces.empty())
     out += statement("Replaces", declared(fmt::format("{}: {}", issue.replaces, doc::stated(issue.reason).text)));
   if (input.run.is_void())

@@ -1,8 +1,8 @@
 // A report as a digital calibration certificate (DCC): XML by the schema of the Physikalisch-Technische Bundesanstalt,
 // https://ptb.de/dcc, with quantities by D-SI. Pressures in kPa. Same input, same bytes.
-// Each kind of history that U is valid for is a measurementResult of two results, increasing and decreasing pressure:
-// the names of the taxels ("row,column" from 0), then a list a level of the reference value and, of all taxels, error,
-// U and k, NaN where a taxel has none. What was judged follows, with limit and conformity.
+// Each kind of history for which U is valid is a measurementResult with two results, increasing and decreasing
+// pressure: the names of the taxels ("row,column" from 0), then per level a list with the reference value and error, U
+// and k of all taxels (NaN if a taxel has none). Judged figures follow, with limit and conformity.
 #pragma once
 
 #include <string>
@@ -12,15 +12,15 @@
 
 namespace tactbench::analysis {
 
-// What a DCC must state and the report does not: "country, city of the laboratory file"; empty: nothing.
+// Required statements of a DCC that the report lacks: "country, city of the laboratory file"; empty: none.
 std::string dcc_lacks(const ReportInput& input);
 
-// Of a report that lacks nothing.
+// The DCC of a report for which dcc_lacks() is empty.
 std::string dcc_of(const PageData& data);
 
 namespace dcc {
 html::Markup measurement_results(const PageData& data);
-// All that was judged, together: a statement.
+// One statement about all judged figures.
 html::Markup conformity_statement(const ReportInput& input);
 }  // namespace dcc
 

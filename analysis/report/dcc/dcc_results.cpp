@@ -13,7 +13,7 @@ namespace {
 
 constexpr PressureUnit kUnit = PressureUnit::kKilopascal;
 
-// The schema's word; empty: it has none (inconclusive, not judged, report only), and the figure states no conformity.
+// The schema's word; empty: it has no such word (inconclusive, not judged, report only), and conformity is not stated.
 const char* conformity_word(Verdict verdict) {
   switch (verdict) {
     case Verdict::kPass:
@@ -51,7 +51,7 @@ Markup method(const char* name, const std::string& words, const char* norm, cons
 }
 
 Markup calibration_method(const ReportInput& input) {
-  std::string words = "The whole array under one gas pressure in a chamber, beside the pressure reference.";
+  std::string words = "The whole array under one gas pressure in a chamber, together with the pressure reference.";
   for (const std::string& sequence : input.method)
     if (!sequence.empty()) words += " " + sequence + ".";
   if (!input.laboratory.deviations.empty()) words += " Deviations: " + input.laboratory.deviations;
@@ -115,8 +115,9 @@ Markup conditions(const ReportInput& input, const char* status) {
   out += condition("Mounting, interface material", {}, text_data(doc::stated(input.laboratory.mounting).text));
   out += condition("Medium", {}, text_data("gauge pressure; " + doc::stated(input.laboratory.medium).text));
   if (*status != '\0')
-    out += condition("State of the models", markup("<dcc:status>{}</dcc:status>", Text(status)),
-                     text_data("as found: with the models before this calibration; as left: with those made from it"));
+    out += condition(
+        "State of the models", markup("<dcc:status>{}</dcc:status>", Text(status)),
+        text_data("as found: with the models from before this calibration; as left: with the models made from it"));
   return out;
 }
 
@@ -146,7 +147,7 @@ Markup taxel_names(const ReportInput& input, std::size_t taxels) {
                 name_of("taxels, row,column from 0"), names);
 }
 
-// Of one level: error, U and k of all taxels.
+// One level: error, U and k of all taxels.
 Markup level_list(const ConditionUncertainty& kind, std::size_t level) {
   const std::size_t width = kind.taxels();
   Markup error, expanded, factor;
@@ -184,11 +185,11 @@ Markup readings_of(const ReportInput& input, const ConditionUncertainty& kind, b
                     .status = as_left ? "afterAdjustment" : ""};
   parts.methods += method(
       "Expanded uncertainty",
-      fmt::format("U belongs to one corrected indication of one taxel whose known error, stated beside it, is taken "
-                  "off; it is not the uncertainty of that error. Coverage probability about 95 %; k is the factor of "
-                  "the errors counted, in {} of {}, and the reference's own part is added as (2 u) squared. Valid for: "
-                  "{}; rests on {}; uniform pressure over the array, interface material as calibrated. Not for other "
-                  "histories, mountings, temperatures or days than named.",
+      fmt::format("U belongs to one corrected indication of one taxel after subtraction of its known error, stated "
+                  "with it; it is not the uncertainty of that error. Coverage probability about 95 %; k is the factor "
+                  "of the errors counted, in {} of {}, and the reference's own part is added as (2 u) squared. Valid "
+                  "for: {}; based on {}; uniform pressure over the array, interface material as calibrated. Not valid "
+                  "for other histories, mountings, temperatures or days than those named.",
                   counted(kind.readings, "reading"),
                   counted(kind.histories, "independent history", "independent histories"), kind.name, kind.basis),
       "JCGM 100:2008", "basic_uncertainty");

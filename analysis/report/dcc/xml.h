@@ -11,11 +11,11 @@ using html::Markup;
 using html::markup;
 using html::Text;
 
-inline constexpr const char* kLanguage = "en";  // of all words of ours; what people typed has none
+inline constexpr const char* kLanguage = "en";  // language of the program's texts; typed texts have none
 // "v0.1.0" of "0.1.0, commit 0123": a letter and numbers.
 std::string release_of(const std::string& version);
 
-// Text as the schema takes it: not empty, no blanks at its ends; "not stated" where nothing is left.
+// Text in the form that the schema requires: not empty, no blanks at its ends; "not stated" if it is empty.
 Text stated_text(const std::string& untrusted);
 Markup english(const std::string& words);                // dcc:content
 Markup name_of(const std::string& words);                // dcc:name in English

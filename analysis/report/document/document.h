@@ -20,13 +20,13 @@ enum class TextStyle { kPlain, kStrong, kQuiet, kCode, kGood, kDoubt, kBad };
 struct StyledText {
   std::string text = {};
   TextStyle look = TextStyle::kPlain;
-  std::string to = {};  // the id of a heading or table that it leads to; empty: no link
+  std::string to = {};  // id of the heading or table to which it links; empty: no link
 };
 
-// A number to print. With a known U (`expanded` > 0) it has the decimal place of U's two digits, else `digits`
-// decimals; of a pressure those of psi.
+// A number to print. With a known U (`expanded` > 0) it is rounded to the decimal place of U's two digits, else to
+// `digits` decimals (for a pressure: decimals of psi).
 struct Quantity {
-  enum class Unit { kNone, kNamed, kBoth };  // "20.7", "20.7 kPa", "20.7 kPa (3.0 psi)": of a pressure alone
+  enum class Unit { kNone, kNamed, kBoth };  // "20.7", "20.7 kPa", "20.7 kPa (3.0 psi)": for pressures only
   double value = 0.0;
   int digits = 1;
   double expanded = 0.0;
@@ -83,7 +83,7 @@ Quantity percent_of(double share, int digits);
 // Pressures. `digits`: decimals of psi.
 Quantity pressure(double psi, int digits = 1);                    // "20.7 kPa"
 Quantity both_units(double psi, int digits = 1);                  // "20.7 kPa (3.0 psi)"
-Quantity bare_pressure(double psi, int digits = 1);               // "20.7", where a heading names the unit
+Quantity bare_pressure(double psi, int digits = 1);               // "20.7", if a heading names the unit
 Quantity pressure_with_u(double psi, double expanded_psi);        // "3.1 ± 0.4 kPa"
 Quantity bare_pressure_with_u(double psi, double expanded_psi);   // "3.1 ± 0.4"
 Quantity pressure_rounded_to_u(double psi, double expanded_psi);  // "3.1", at U's decimal place
@@ -100,24 +100,24 @@ struct Paragraph {
 };
 
 struct List {
-  std::vector<Phrase> items;  // each begins with its own mark, if any
+  std::vector<Phrase> items;  // each begins with its own bullet, if any
 };
 
 // The part of a heading before " | " is shared with its neighbours: "increasing | median error".
 struct Column {
   std::string title = {};
   bool right = false;  // numbers
-  bool cut = false;    // the first to be cut where a terminal is narrow
+  bool cut = false;    // the first column to be cut on a narrow terminal
 };
 struct Row {
   std::vector<Phrase> cells =
-      {};               // the first one names the row; a row of fewer cells ends with one that spans the rest
+      {};               // the first cell names the row; in a row with fewer cells the last one spans the rest
   bool marked = false;  // shaded
   bool total = false;
 };
 struct Table {
   std::string id = {}, caption = {};
-  std::vector<Column> columns = {};  // of pairs: none
+  std::vector<Column> columns = {};  // empty for pairs
   std::vector<Row> rows = {};
   bool dense = false, keep = false;  // small rows; not cut between two pages
 };
@@ -129,7 +129,7 @@ struct Drawing {
 };
 
 struct Document;
-// Documents side by side; `shares` of the width, as many.
+// Documents side by side; `shares` of the width, one per document.
 struct SideBySide {
   std::vector<Document> parts;
   std::vector<int> shares = {};
@@ -146,7 +146,7 @@ using Block = std::variant<Heading, Paragraph, List, Table, Drawing, SideBySide,
 
 struct Document {
   std::vector<Block> blocks;
-  // Of a kind of block, or all blocks of a document.
+  // Blocks of one kind, or all blocks of a document.
   template <class Part>
   void add(Part part);
 };

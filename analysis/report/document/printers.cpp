@@ -323,8 +323,8 @@ class TextPrinter {
     for (std::string& line : lines) line = cut_to(line, width);
     return lines;
   }
-  // The column that gives up a letter where a table is too wide: one that is meant to, else the widest without numbers;
-  // none: widths.size().
+  // The column to cut by one letter if a table is too wide: one marked `cut`, else the widest without numbers;
+  // widths.size() if there is none.
   static std::size_t to_cut(const Table& table, const std::vector<std::size_t>& widths) {
     constexpr std::size_t kLeast = 8, kLeastToRead = 14;
     std::size_t widest = widths.size();
@@ -335,7 +335,8 @@ class TextPrinter {
     }
     return widest;
   }
-  // Columns as wide as their longest cell, else cut, and the last ones left out; values behind names are wrapped.
+  // Columns as wide as their longest cell; if they do not fit, they are cut and the last ones left out. Values after
+  // names are wrapped.
   [[nodiscard]] std::string grid(const Table& table) const {
     const bool names = table.columns.empty();
     std::vector<std::vector<std::string>> rows;
@@ -373,7 +374,7 @@ class TextPrinter {
       for (std::size_t line = 0; line < height; ++line) {
         std::string text;
         for (std::size_t i = 0; i < cells.size(); ++i) {
-          const std::size_t above = head ? height - cells[i].size() : 0;  // a heading stands at the bottom
+          const std::size_t above = head ? height - cells[i].size() : 0;  // a heading is aligned at the bottom
           const bool in = line >= above && line - above < cells[i].size();
           text += padded(in ? cut_to(cells[i][line - above], widths[i]) : "", widths[i],
                          i < table.columns.size() && table.columns[i].right) +

@@ -1,5 +1,5 @@
-// Printers of a document: HTML, which is also well-formed XML, and plain text for a terminal. The one place where a
-// number becomes text.
+// Printers of a document: HTML, which is also well-formed XML, and plain text for a terminal. The only place where a
+// number is converted to text.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ namespace tactbench::analysis::doc {
 
 using analysis::fixed_text;
 
-// "−0.12 ± 0.34", "20.7 kPa (3.00 psi)"; U+2212 for a minus, no sign for zero, "–" for what is not finite.
+// "−0.12 ± 0.34", "20.7 kPa (3.00 psi)"; U+2212 for a minus, no sign for zero, "–" for a non-finite number.
 std::string text_of(const Quantity& quantity, PressureUnit unit);
 std::string text_of(const Phrase& phrase, PressureUnit unit);
 std::string sign_of(Verdict verdict);  // "✓", "▲", "✗"

@@ -25,7 +25,7 @@ using doc::Phrase;
 
 struct BatchColumn {
   const OverviewFigure* figure;
-  std::vector<double> values, scores;  // one a run
+  std::vector<double> values, scores;  // one per run
 };
 
 std::vector<BatchColumn> batch_columns(const std::vector<ReportInput>& runs) {
@@ -64,7 +64,7 @@ std::vector<std::size_t> ranked(const std::vector<ReportInput>& runs, const std:
   return order;
 }
 
-// A sensor that was not judged, though there are limits, is counted with the judged: its evidence is missing.
+// If there are limits, a sensor that was not judged counts among the judged ones, because its evidence is missing.
 doc::VerdictBox yield_part(const std::vector<ReportInput>& sensors, const std::vector<std::string>& left_out) {
   std::map<std::string, int> verdicts;
   int with_limits = 0, good = 0;
@@ -92,7 +92,7 @@ doc::VerdictBox yield_part(const std::vector<ReportInput>& sensors, const std::v
   doc::Table table = doc::pairs(
       "Yield", {{"sensors, runs named", fmt::format("{}, {}", sensors.size(), sensors.size() + left_out.size())},
                 {"verdicts", list},
-                {"left out: the newest run of each sensor stands for it",
+                {"left out: each sensor is represented by its newest run",
                  left_out.empty() ? std::string("none") : fmt::format("{}", fmt::join(left_out, "; "))}});
   table.dense = true;
   counts.add(std::move(table));

@@ -57,7 +57,7 @@ doc::Table who_table(const ReportInput& a, const ReportInput& b) {
   return table;
 }
 
-// What has changed, in one line: the error where both runs have one, else the loops before correction.
+// One line about the change: the error if both runs have one, else the loops before correction.
 Phrase change_in_words(const ReportInput& a, const ReportInput& b) {
   const bool models = !a.evaluation.levels.empty() && !b.evaluation.levels.empty();
   const bool refound = models && same_sensor(a, b) && !a.held_out.empty();
@@ -71,7 +71,7 @@ Phrase change_in_words(const ReportInput& a, const ReportInput& b) {
           " % FS, first ", doc::percent_of(a.behaviour.loops.front().hysteresis_mean, 2), " % FS"};
 }
 
-// Of each run whether it is good; framed by the second's.
+// The verdicts of both runs; the frame is that of the second.
 doc::VerdictBox verdicts(const ReportInput& a, const ReportInput& b) {
   const bool stated = states_conformity(b.judgement.overall) && !b.judgement.not_judged;
   Document words;
@@ -105,7 +105,7 @@ doc::Table figures_table(const ReportInput& a, const ReportInput& b) {
   return table;
 }
 
-// The second run's data with the first run's models, beside its own.
+// The second run's data with the first run's models and with its own.
 Document found_and_left_by(const ReportInput& a, const ReportInput& b) {
   Document out;
   if (a.held_out.empty()) return out;
@@ -127,14 +127,14 @@ Document found_and_left_by(const ReportInput& a, const ReportInput& b) {
   row("hysteresis, mean over taxels, % FS", &Evaluation::comp_distance, in_percent);
   row("hysteresis of the mean of all, % FS", &Evaluation::comp_distance_of_mean, in_percent);
   out.add(std::move(table));
-  out.add(doc::Paragraph{
-      {"As found: how well the sensor measured until now. As left: the models’ own run; only other runs are "
-       "independent verification."},
-      doc::Paragraph::kNote});
+  out.add(doc::Paragraph{{"As found: how well the sensor measured until now. As left: on the run from which the models "
+                          "were made; only other runs are an independent verification."},
+                         doc::Paragraph::kNote});
   return out;
 }
 
-// Output of each taxel over that of the other run at the level of the equilibration; empty where they do not compare.
+// Ratio of each taxel's output to that of the other run at the level of the equilibration; empty if they cannot be
+// compared.
 std::vector<double> output_ratios(const ReportInput& a, const ReportInput& b) {
   const Behaviour &x = a.behaviour, &y = b.behaviour;
   if (x.loops.empty() || y.loops.empty() || x.gain.size() != y.gain.size() || a.health.columns != b.health.columns)
@@ -171,7 +171,7 @@ Document ratio_figures(const ReportInput& a, const ReportInput& b, const std::ve
       map.title,
       {"Output of each taxel at ", doc::pressure(b.behaviour.equilibration_psi),
        ", increasing, second over first: ", doc::number(spread.low, 3), " (brown) to ", doc::number(spread.high, 3),
-       " (blue), median ", doc::number(spread.median, 3), ". A cross: not in both."}});
+       " (blue), median ", doc::number(spread.median, 3), ". A cross: not in both runs."}});
   Chart chart{.title = "Number of taxels by ratio of outputs", .x = {"second over first"}, .y = {"taxels"}};
   const double margin = std::max(0.02 * (spread.high - spread.low), 1e-3);
   chart.bars.push_back(bars_of(ratios, spread.low - margin, spread.high + margin, 20));

@@ -190,7 +190,7 @@ const ModelTaxel* fitted_taxel(const SensorModel& model, int number) {
   return taxel == model.taxels.end() || taxel->fit.model == nullptr ? nullptr : &*taxel;
 }
 
-// The last: the mean stands at the end. Where that has no model, the last that has one.
+// The last one, because the mean is at the end; if it has no model, the last one with a model.
 const TaxelHistories& shown_taxel(const Histories& histories, const std::vector<const SensorModel*>& models) {
   for (auto taxel = histories.taxels.rbegin(); taxel != histories.taxels.rend() && !models.empty(); ++taxel)
     if (fitted_taxel(*models.front(), taxel->taxel) != nullptr) return *taxel;
@@ -274,7 +274,7 @@ doc::Document loops_overlaid(const std::vector<const ReportInput*>& runs) {
     const RawLoop& loop = b.loops.front();
     Curve curve{named ? sensor_and_run(*run) : "", {}, {}, named ? kStrokes[chart.curves.size()] : kBlack};
     const std::size_t n = b.pressure_psi.size();
-    for (std::size_t i = 0; i < 2 * n; ++i) {  // down, then up, which ends at the right
+    for (std::size_t i = 0; i < 2 * n; ++i) {  // first downward, then upward, which ends at the right
       const std::size_t at = i < n ? n - 1 - i : i - n;
       curve.x.push_back(unit.of(b.pressure_psi[at]));
       curve.y.push_back(i < n ? loop.down_v[at] : loop.up_v[at]);

@@ -15,18 +15,18 @@ namespace tactbench::analysis {
 
 // One figure of a run as a row of a table.
 struct OverviewFigure {
-  const char* name;                     // of the row, with its unit; of a pressure without: name_of()
+  const char* name;                     // name of the row with its unit; for a pressure without unit: name_of()
   const char* key;                      // in the data
-  double (*value)(const ReportInput&);  // NaN where there is none
-  int digits;                           // of the value shown
-  double factor;                        // value in the data x factor = value shown
-  const char* criterion;                // of a verdict that limits it; empty: none
+  double (*value)(const ReportInput&);  // NaN if there is none
+  int digits;                           // decimals of the displayed value
+  double factor;                        // value in the data x factor = displayed value
+  const char* criterion;                // criterion that limits it; empty: none
 };
 const std::vector<OverviewFigure>& overview_figures();
 bool is_pressure(const OverviewFigure& figure);
 std::string name_of(const OverviewFigure& figure, PressureUnit unit);  // with its unit
 doc::Quantity shown_figure(const OverviewFigure& figure, double value);
-// The figure alone, as in a chart: value x factor, a pressure in `unit`.
+// The number for a chart: value x factor, a pressure in `unit`.
 double plotted_figure(const OverviewFigure& figure, double value, PressureUnit unit);
 // The figure's limit in the run's verdicts, in the unit of the data; NaN without one.
 double limit_of(const OverviewFigure& figure, const ReportInput& input);
@@ -38,12 +38,12 @@ doc::Document loops_overlaid(const std::vector<const ReportInput*>& runs);
 std::string sensor_and_run(const ReportInput& input);  // "SIM-0001, run 3"
 
 // Charts of a measured loop with the loops of models drawn over it, and of a model's residuals: for the mean taxel, or
-// the only one.
+// the only taxel.
 
-// `models`: made from or checked on these data; the first four are drawn. Pressures in `unit`, other inputs as they
-// are.
+// `models`: made from or checked on these data; the first four are drawn. Pressures in `unit`, other inputs in their
+// own unit.
 Chart fitted_loop(const Histories& histories, const std::vector<const SensorModel*>& models, PressureUnit unit);
-// Measured outputs less the model's, in % of full scale, over the inputs.
+// Measured outputs minus the model's, in % of full scale, over the inputs.
 Chart fitted_errors(const Histories& histories, const SensorModel& model, PressureUnit unit);
 
 }  // namespace tactbench::analysis

@@ -14,14 +14,14 @@ namespace tactbench::analysis {
 struct TableReportInput {
   db::RunRecord run;
   Histories histories;
-  std::vector<SensorModel> models;  // that are stored, the newest last; may be empty
-  std::vector<ModelScore> scores;   // of each on these data
+  std::vector<SensorModel> models;  // stored models, the newest last; may be empty
+  std::vector<ModelScore> scores;   // of each model on these data
   PaperSize paper = PaperSize::kA4;
   PressureUnit unit;
 };
 
 Report render_table_report(const TableReportInput& input);
-// The models and their errors, for a terminal of so many columns.
+// The models and their errors, for a terminal of `columns`.
 doc::Document summary_of(const TableReportInput& input, PressureUnit unit);
 
 }  // namespace tactbench::analysis

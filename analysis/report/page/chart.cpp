@@ -337,7 +337,7 @@ struct TextBox {
   [[nodiscard]] bool holds(double x, double y) const { return x > left && x < right && y > top && y < bottom; }
 };
 
-// The line's height at x; NaN beside it.
+// The line's height at x; NaN outside the line.
 double height_at(const LinePoints& line, double x) {
   for (std::size_t i = 1; i < line.size(); ++i) {
     const auto& [x0, y0] = line[i - 1];

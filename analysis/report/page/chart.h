@@ -1,5 +1,5 @@
 // Charts of the report as inline SVG with role="img" and a <title>. Layers are drawn in the order of their members;
-// each is labelled where it is drawn, not in a legend. Coordinates are CSS pixels.
+// labels are placed at the lines, not in a legend. Coordinates are CSS pixels.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@
 
 namespace tactbench::analysis {
 
-// Darkened Okabe-Ito: contrast at least 4.5:1 on white; dashes tell lines apart without colour.
+// Darkened Okabe-Ito: contrast at least 4.5:1 on white; dashes distinguish lines without colour.
 struct Stroke {
   const char* colour = "#1a2026";
   const char* dashes = "";
@@ -21,10 +21,10 @@ inline constexpr Stroke kBlack{}, kBlue{"#0b5cad", ""}, kBrown{"#9c4400", ""}, k
     kViolet{"#6b3fa0", "2 2"}, kRed{"#a11212", "6 3"}, kRedDots{"#a11212", "2 3", 1.2};
 inline constexpr Stroke kStrokes[] = {kBlack, {"#b84300", "7 3"}, kBlue, kGreen, kViolet};
 
-// `ends`: labels stand outside the plot at the right end of their line; else within, where they cover least.
+// `ends`: labels are outside the plot at the right end of their line; else inside, where they cover least.
 struct Curve {
   std::string label = {};
-  std::vector<double> x, y = {};  // of equal length; what is not finite breaks the line
+  std::vector<double> x, y = {};  // of equal length; a non-finite value interrupts the line
   Stroke stroke = {};
   bool points = false;
 };
@@ -37,7 +37,7 @@ struct Rule {
   double at = 0.0;
   std::string label = {};
   Stroke stroke = kRed;
-  bool upright = false;  // at an x; else at a y
+  bool upright = false;  // a vertical line at an x; else a horizontal one at a y
 };
 struct ShadedSpan {  // of x, shaded from top to bottom
   double from = 0.0, to = 0.0;
@@ -51,7 +51,7 @@ struct Axis {
   std::string label = {};
   std::optional<double> low = {}, high = {};  // else from the data
   bool logarithmic = false;
-  std::string beside = {};          // the same in another unit: its name; empty: none
+  std::string beside = {};          // name of the second unit; empty: none
   double second_unit_factor = 1.0;  // value x factor
 };
 
@@ -68,38 +68,39 @@ struct Chart {
   Stroke heading_stroke = kBlack;
 };
 
-// What lies beyond a fixed axis is drawn at its edge, with a triangle.
+// Values beyond a fixed axis are drawn at its edge, with a triangle.
 html::Markup chart_svg(const Chart& chart);
-std::string svg_file(const Chart& chart);  // complete in itself
+std::string svg_file(const Chart& chart);  // a complete SVG file
 
 // About `wanted` round numbers (1, 2, 5 x 10^n) within [low, high].
 std::vector<double> nice_ticks(double low, double high, int wanted);
 
-// Counts of the finite values in `bins` of one width; the last bin also holds what lies above `high`.
+// Counts of the finite values in `bins` of equal width; the last bin also contains values above `high`.
 Bars bars_of(const std::vector<double>& values, double low, double high, int bins);
 
 // Places the labels of a chart's lines: at their right ends, or within the plot where they cover least.
 
 inline constexpr double kLetterWidth = 5.3;  // of the chart's 10 px letters, on average
 
-std::size_t letters_in(const std::string& text);  // not bytes
+std::size_t letters_in(const std::string& text);  // number of characters, not bytes
 
 using LinePoints = std::vector<std::pair<double, double>>;  // pixels; y not finite: a gap
 
 struct LineLabel {
   std::string text, colour;
-  LinePoints line;       // that it names
-  bool upright = false;  // beside an upright line, else above or below it
+  LinePoints line;       // the line to which the label belongs
+  bool upright = false;  // next to a vertical line, else above or below a line
 };
 
 struct PlotArea {
   double left, right, top, bottom;
 };
 
-// One after the other: each where it overlaps fewest labels before it and fewest points of `lines`.
+// Places the labels one after the other, each where it overlaps the fewest earlier labels and the fewest points of
+// `lines`.
 html::Markup labels_inside(const std::vector<LineLabel>& labels, const std::vector<LinePoints>& lines,
                            const PlotArea& area);
-// Right of the plot, in the order of the lines' ends, not closer than a line of text.
+// Places the labels right of the plot, in the order of the lines' ends, at least one line of text apart.
 html::Markup labels_at_ends(const std::vector<LineLabel>& labels, const PlotArea& area);
 
 }  // namespace tactbench::analysis

@@ -16,8 +16,8 @@ namespace {
 constexpr std::string_view kReplacement = "\uFFFD";
 constexpr std::string_view kNotAvailable = "not available";
 
-// XML 1.0 production Char without C1 controls and non-characters; overrides of direction would let a name rewrite
-// what stands beside it.
+// XML 1.0 production Char without C1 controls and non-characters; direction overrides would let a name change the text
+// next to it.
 bool printable(std::uint32_t c) {
   if (c < 0x20) return c == '\t' || c == '\n';
   if (c >= 0x7F && c <= 0x9F) return false;
@@ -86,7 +86,7 @@ CssNumber::CssNumber(double number, int digits) {
   if (!std::isfinite(number)) throw std::invalid_argument("a coordinate of the report is not finite");
   long long scale = 1;
   for (int i = 0; i < digits; ++i) scale *= 10;
-  long long units = std::llrint(number * static_cast<double>(scale));  // by hand: a report has 10 000 of them
+  long long units = std::llrint(number * static_cast<double>(scale));  // not by fmt: a report has 10 000 of them
   if (units < 0) value = "-";
   units = std::abs(units);
   value += fmt::format_int(units / scale).str();
@@ -155,7 +155,7 @@ double rounded_to_uncertainty(double value, double expanded) {
 int gum_decimals(double expanded) {
   if (!std::isfinite(expanded) || expanded <= 0.0) return 3;
   int exponent = static_cast<int>(std::floor(std::log10(expanded)));
-  // 0.0996 is 0.10: what rounds up to the next power of ten has a digit less.
+  // 0.0996 is 0.10: a number that rounds up to the next power of ten has one digit less.
   if (std::nearbyint(expanded / std::pow(10.0, exponent - 1)) >= 100.0) ++exponent;
   return std::clamp(1 - exponent, 0, 9);
 }

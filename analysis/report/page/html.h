@@ -1,5 +1,5 @@
-// Typed pieces of the report's markup: each escaper has a type of its own and `markup` accepts nothing else, so that a
-// bare string cannot reach the page. The result is HTML that is also well-formed XML 1.0.
+// Typed pieces of the report's markup: each kind of escaped text has its own type and `markup` accepts no other, so
+// that an unescaped string cannot reach the page. The result is HTML that is also well-formed XML 1.0.
 #pragma once
 
 #include <fmt/format.h>
@@ -40,7 +40,7 @@ struct Attribute : Safe {
   explicit Attribute(std::string_view untrusted);
 };
 
-// A coordinate or length, at most `digits` decimals. Throws std::invalid_argument when not finite.
+// A coordinate or length with at most `digits` decimals. Throws std::invalid_argument when not finite.
 struct CssNumber : Safe {
   explicit CssNumber(double number, int digits = 2);
 };
@@ -54,7 +54,7 @@ class PathData : public Safe {
     return *this;
   }
   PathData& number(long whole);
-  // As short as SVG takes tenths: "12.5", "-.5", "3"; after another number with what keeps them apart.
+  // The shortest form of tenths in SVG: "12.5", "-.5", "3"; after another number with a separator if needed.
   PathData& tenths(long count, bool after_number);
 };
 
@@ -73,7 +73,7 @@ Markup markup(fmt::format_string<const Pieces&...> format, const Pieces&... piec
   return out;
 }
 
-// Numbers for the reader: C locale, half to even, U+2212 for a minus, "not available" when not finite.
+// Numbers for display: C locale, round half to even, U+2212 for a minus, "not available" when not finite.
 Text fixed(double number, int digits);
 Text significant(double number, int digits);
 
@@ -92,13 +92,13 @@ struct fmt::formatter<T> : fmt::formatter<std::string_view> {
 
 namespace tactbench::analysis {
 
-// Decimals that give `expanded` two significant digits after rounding, 0..9; 3 for 0 or what is not finite (JCGM 100,
-// 7.2.6).
+// Number of decimals (0..9) that gives `expanded` two significant digits after rounding; 3 if it is 0 or not finite
+// (JCGM 100, 7.2.6).
 int gum_decimals(double expanded);
-// `value` rounded to the last significant digit of `expanded`: 106 has two significant digits as 110, so that its value
-// is rounded to tens.
+// `value` rounded to the last significant digit of `expanded`: 106 with two significant digits is 110, so the value is
+// rounded to tens.
 double rounded_to_uncertainty(double value, double expanded);
-// Half to even, U+2212 for a minus, no sign for zero, "–" for what is not finite.
+// Rounds half to even; U+2212 for a minus, no sign for zero, "–" for a non-finite number.
 std::string fixed_text(double value, int digits);
 std::string two_digits_text(double expanded);
 

@@ -7,8 +7,8 @@
 
 namespace tactbench::analysis {
 
-// Of bytes, error correction M, with the quiet zone of four modules; `size` px wide. Same text, same bytes. Throws
-// std::invalid_argument for a text that is empty or longer than 2331 bytes.
+// Byte mode, error correction level M, with the quiet zone of four modules; `size` px wide. The same text gives the
+// same bytes. Throws std::invalid_argument if the text is empty or longer than 2331 bytes.
 html::Markup qr_code_svg(const std::string& text, const std::string& title, double size);
 
 }  // namespace tactbench::analysis

@@ -1,4 +1,5 @@
-// Maps of an array: a cell a taxel, row 0 on top, on one light scale from white to blue that all digits are black on.
+// Maps of an array: one cell per taxel, row 0 on top, on a light scale from white to blue, so that all digits can be
+// black.
 #pragma once
 
 #include <string>
@@ -11,11 +12,11 @@ namespace tactbench::analysis {
 struct TaxelMap {
   std::string title = {};
   int rows = 0, columns = 0;
-  std::vector<double> values = {};  // row-major; not finite: white with a cross
-  double low = 0.0, high = 1.0;     // of the colours; values beyond take the end's
+  std::vector<double> values = {};  // row-major; a non-finite value is white with a cross
+  double low = 0.0, high = 1.0;     // range of the colours; values beyond have the colour of the end
   bool logarithmic = false;
   bool two_sided = false;     // brown below the middle, white there, blue above
-  double bold_above = 1e300;  // printed in bold
+  double bold_above = 1e300;  // values above it are printed in bold
   double size = 320.0;        // pixels of the longer side, without the counts of rows and columns
   bool numbered = false;      // each value in its cell, two significant digits
   bool counted = true;        // rows and columns at the edges

@@ -83,7 +83,7 @@ Document annex_of_taxels(const PageData& data) {
   return out;
 }
 
-// Of the models: how closely each follows the run that it was made from.
+// The models: how closely each follows the run from which it was made.
 Document annex_of_models(const PageData& data) {
   const SensorModel& fit = data.input.fit;
   Document out;
@@ -117,7 +117,7 @@ Document annex_of_parameters(const PageData& data) {
   doc::Table table{
       .id = "annex-parameters", .caption = "Parameters of " + model_name(fit), .columns = {{"taxel"}}, .dense = true};
   const auto parameters = fit.mean_taxel().fit.model->parameters();
-  constexpr std::size_t kMostColumns = 12;  // of Preisach's weights there are hundreds: they stand in the data
+  constexpr std::size_t kMostColumns = 12;  // Preisach has hundreds of weights, which are only in the data
   const std::size_t shown = std::min(parameters.size(), kMostColumns);
   for (std::size_t i = 0; i < shown; ++i) table.columns.push_back({parameters[i].name, true});
   const auto row = [&](const ModelTaxel& taxel, const Phrase& name) {
@@ -143,7 +143,7 @@ Document annex_of_events(const PageData& data) {
   for (const RunLogEvent& event : input.history.events)
     events.rows.push_back({{doc::number(event.time_s, 0), event.kind, doc::stated(event.text)}});
   doc::Table voids{.id = "annex-voids",
-                   .caption = "Void branches: kept in the store, left out of every figure, done again",
+                   .caption = "Void branches: kept in the store, left out of every figure, and repeated",
                    .columns = {{"sequence"}, {"repeat", true}, {"branch", true}, {"attempt", true}, {"reason"}},
                    .dense = true};
   for (const VoidBranch& own : input.history.voids)

@@ -129,7 +129,7 @@ doc::Drawing sensitivity(const ReportInput& input) {
            " (blue), standard deviation ", doc::percent_of(sample_deviation(gains), 1), " %.",
            input.more.studies.uniformity.assessed()
                ? ""
-               : " A pressure not the same over the chamber would look alike: not assessed."}};
+               : " A non-uniform pressure in the chamber would look the same; it was not assessed."}};
 }
 
 doc::Table found_and_left(const PageData& data) {
@@ -137,7 +137,7 @@ doc::Table found_and_left(const PageData& data) {
   const AsFound& found = *input.more.previous;
   const Evaluation &then = found.evaluation, &now = input.evaluation;
   doc::Table table{.id = "as-found",
-                   .caption = "As found, as left: this run read with the models before (" + found.model +
+                   .caption = "As found, as left: this run read with the models from before (" + found.model +
                               "), and with those made from it",
                    .columns = {{"figure"}, {"as found", true}, {"as left", true}},
                    .dense = true};
@@ -306,20 +306,21 @@ Document levels_page(const PageData& data) {
   out.add(doc::Heading{2, "Error and uncertainty at every level", {}});
   out.add(levels_table(readings, data.input.health.columns, unit));
   if (!readings.known()) {
-    out.add(doc::Paragraph{{"Error: mean corrected indication of full sweeps less the reference value. U of a reading "
+    out.add(doc::Paragraph{{"Error: mean corrected indication of full sweeps minus the reference value. U of a reading "
                             "was not established for any history: ",
                             doc::StyledText{"why", doc::TextStyle::kPlain, "kinds"}, "."},
                            doc::Paragraph::kNote});
     return out;
   }
-  out.add(doc::Paragraph{{"Error: mean corrected indication less the reference value, for “", readings.kind,
-                          "”. U: expanded uncertainty of one corrected indication, coverage probability about 95 %. 95 "
-                          "% of taxels: the value that |error| + U does not exceed for them. The worst taxel may be "
-                          "another one at each level; worst of all: page 1. ✓: within the measuring interval, ",
-                          doc::both_units(readings.tolerance_psi),
-                          ". The error is known and may be taken off; U then remains. Error, U and k of each taxel and "
-                          "level are in the data (report --format json)."},
-                         doc::Paragraph::kNote});
+  out.add(
+      doc::Paragraph{{"Error: mean corrected indication minus the reference value, for “", readings.kind,
+                      "”. U: expanded uncertainty of one corrected indication, coverage probability about 95 %. 95 "
+                      "% of taxels: the value that |error| + U does not exceed for them. The worst taxel may be "
+                      "another one at each level; worst of all: page 1. ✓: within the measuring interval, ",
+                      doc::both_units(readings.tolerance_psi),
+                      ". The error is known and may be subtracted; U then remains. Error, U and k of each taxel and "
+                      "level are in the data (report --format json)."},
+                     doc::Paragraph::kNote});
   doc::SideBySide charts;
   for (const bool up : {true, false}) {
     Document part;

@@ -22,7 +22,7 @@ doc::Table kinds(const ReportInput& input) {
                    .caption = "U of a reading by kind of history",
                    .columns = {{"kind of history"},
                                {fmt::format("median U, {}", input.unit.symbol()), true},
-                               {"rests on, or why it is not valid"}},
+                               {"based on, or why it is not valid"}},
                    .dense = true};
   std::string not_measured;
   for (const ConditionUncertainty& kind : input.uncertainty->conditions) {
@@ -90,7 +90,7 @@ doc::Table budget(const ReportInput& input, const LevelUncertainty& level) {
   table.rows.push_back({{fmt::format("expanded, k = {}, about 95 %", doc::fixed_text(own.factor, 2)), "", "", "", "",
                          doc::two_digits(unit.of(own.expanded_psi)),
                          Phrase("of a reading whose known error, ",
-                                doc::bare_pressure_with_u(own.error_psi, own.expanded_psi), ", is taken off")},
+                                doc::bare_pressure_with_u(own.error_psi, own.expanded_psi), ", is subtracted")},
                         false,
                         true});
   return table;
@@ -108,7 +108,7 @@ Document decision_rule(const Judgement& judgement) {
 
 doc::Table requirements(const ReportInput& input) {
   doc::Table table{.id = "requirements",
-                   .caption = "Checks: those not met, and of each kind the one closest to its limit",
+                   .caption = "Checks: those not passed, and for each kind the one closest to its limit",
                    .columns = {{"check"}, {"run"}, {"value", true}, {"limit", true}, {"verdict"}},
                    .dense = true};
   std::vector<JudgedFigure> rows = input.judgement.figures;
@@ -134,7 +134,7 @@ Document signature(const PageData& data) {
   out.add(doc::Heading{3, "Authorised by", {}});
   out.add(doc::Paragraph{issue.draft()
                              ? Phrase("\n______________________    ______________\n",
-                                      doc::quiet("name, function; date. Draft: nobody has signed."))
+                                      doc::quiet("name, function; date. Draft: not signed."))
                              : Phrase(doc::strong(issue.authorised_by), ", ", function.empty() ? "" : function + ", ",
                                       moment_text(issue.authorised_utc))});
   out.add(doc::Paragraph{{"Date of issue: ", doc::stated(issue.issued), ". Replaces ",

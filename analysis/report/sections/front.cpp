@@ -1,5 +1,5 @@
-// Page 1 alone answers: is it good, how wrong is a reading, in which range, for which use, until when, measured by
-// what.
+// Page 1 states the verdict, the error of a reading, its range, the conditions of use, the validity, and the
+// instruments.
 #include <algorithm>
 #include <cmath>
 
@@ -20,7 +20,7 @@ using doc::Document;
 using doc::Phrase;
 
 std::string state_of(const Issue& issue) {
-  if (issue.draft()) return "Draft: nobody has signed it";
+  if (issue.draft()) return "Draft: not signed";
   return fmt::format("Issued {}, signed by {}", issue.issued, issue.authorised_by);
 }
 
@@ -87,11 +87,11 @@ Document verdict_names(const ReportInput& input, PressureUnit unit) {
     out.add(doc::Paragraph{{title_case(display_text(*judgement.not_judged, unit)) + "."}});
   } else if (!states_conformity(judgement.overall)) {
     large("No verdict");
-    out.add(doc::Paragraph{{all == 0 ? "No tolerance limits were given." : "The limits file asks for a report only."}});
+    out.add(doc::Paragraph{{all == 0 ? "No tolerance limits were given." : "The limits file requests a report only."}});
   } else {
     const Verdict overall = *judgement.overall;
     large(doc::sign_of(overall) + " " + title_case(to_string(overall)) +
-          (judgement.rests_on_means_alone ? ", of means alone" : ""));
+          (judgement.rests_on_means_alone ? ", for means only" : ""));
     if (passes(overall) && judgement.closest_pass)
       out.add(doc::Paragraph{{fmt::format("{} of {} passed. Closest to its limit: ", met, counted(all, "check")),
                               decided_text(input, judgement.figures[*judgement.closest_pass], unit), "."}});
@@ -99,7 +99,8 @@ Document verdict_names(const ReportInput& input, PressureUnit unit) {
       out.add(doc::Paragraph{{"Decided by ", decided_text(input, judgement.figures[*judgement.deciding], unit),
                               fmt::format(". {} of {} passed.", met, counted(all, "check"))}});
     if (judgement.rests_on_means_alone)
-      out.add(doc::Paragraph{{"No limit is on single readings, each of which may be off by more than any mean."}});
+      out.add(doc::Paragraph{
+          {"No limit applies to single readings; the error of a single reading may exceed that of any mean."}});
     if (judgement.untraced) out.add(doc::Paragraph{{title_case(display_text(*judgement.untraced, unit)) + "."}});
     if (passes(overall) && !judgement.not_assessed.empty())
       out.add(doc::Paragraph{{doc::quiet("Under repeatability conditions only.")}});
@@ -154,16 +155,16 @@ std::string within_text(const ReadingFigures& readings, double psi, PressureUnit
 }
 
 std::string headline(const std::optional<ReadingFigures>& readings, PressureUnit unit) {
-  if (!readings || !readings->known()) return "How wrong a single reading can be was not established";
+  if (!readings || !readings->known()) return "The error of a single reading was not established";
   const std::string within = within_text(*readings, readings->headline_psi, unit);
-  if (!readings->headline.any) return fmt::format("At no pressure do 95 % of the taxels read to {}", within);
-  return fmt::format("95 % of the taxels read to {}, {}", within, span_text(readings->headline, unit));
+  if (!readings->headline.any) return fmt::format("At no pressure do 95 % of the taxels read within {}", within);
+  return fmt::format("95 % of the taxels read within {}, {}", within, span_text(readings->headline, unit));
 }
 
 Phrase chart_caption(const ReadingFigures& readings) {
   if (!readings.known())
-    return "Line: median of the taxels’ mean errors in full sweeps. Light: 95 % of the taxels. A single reading is "
-           "further off, by how much is not known.";
+    return "Line: median of the taxels’ mean errors in full sweeps. Light: 95 % of the taxels. The error of a single "
+           "reading is larger, by an unknown amount.";
   return {
       "Line: median of the taxels’ errors. Dark: median ± median U. Light: 2.5 % quantile of error − U to 97.5 % "
       "quantile of error + U. U: expanded uncertainty of one reading, coverage probability about 95 %, for “",
@@ -261,7 +262,7 @@ Document front_page(const PageData& data) {
     out.add(readings_chart(*data.readings, input.unit));
     out.add(doc::Paragraph{chart_caption(*data.readings), doc::Paragraph::kNote});
   } else if (input.more.contacts.empty()) {
-    out.add(doc::Heading{2, "How wrong a reading can be was not assessed", "readings"});
+    out.add(doc::Heading{2, "The error of a reading was not assessed", "readings"});
   } else {
     out.add(contact_pages(data));
   }
@@ -290,7 +291,7 @@ namespace {
 constexpr double kShownShare =
     0.08;  // of the full pressure: the chart's axis, so that one bad taxel does not flatten the rest
 constexpr double kShownTolerances = 1.7;
-constexpr double kWideShare = 0.05;  // a second line where the limits state no MPE
+constexpr double kWideShare = 0.05;  // a second line if the limits state no MPE
 
 Chart panel(const ReadingFigures& readings, bool up, PressureUnit unit) {
   const Stroke stroke = up ? kBlue : kBrown;

@@ -36,7 +36,7 @@ doc::Table chain(const PageData& data) {
             ? Phrase(doc::stated(standard.serial), "\n",
                      u > 0.0 ? Phrase("U = ", doc::pressure_rounded_to_u(u, u), " ", input.unit.symbol(), " (k = 2)")
                              : Phrase("U not stated"))
-            : Phrase("none took part: the regulator’s feedback stands in"),
+            : Phrase("none: the regulator’s feedback was used"),
         Phrase("No. " + data.issue.number, doc::quiet("\n" + date_of(input.run.started_utc))),
         Phrase(doc::strong(doc::stated(input.run.sensor_serial).text),
                doc::quiet(states_uncertainty(input) ? "\nU of a reading: page 1" : "\nU of a reading not stated"))}});
@@ -75,7 +75,7 @@ doc::Table instruments(const ReportInput& input) {
 }
 
 doc::Drawing counting(const Health& health) {
-  TaxelMap map{.title = "How taxels are counted: row 0, column 0 is at the upper left",
+  TaxelMap map{.title = "Numbering of the taxels: row 0, column 0 is at the upper left",
                .rows = health.rows,
                .columns = health.columns,
                .size = 96.0};
@@ -103,7 +103,7 @@ std::string surroundings_of(const ReportInput& input) {
   return words.empty() ? input.laboratory.environment : words + "; " + input.laboratory.environment;
 }
 
-// Rows with what is stated; the names of the others are one row.
+// Rows of the stated facts; the names of the missing ones are one row.
 class StatedRows {
  public:
   void add(const std::string& name, const std::string& value) {
@@ -134,8 +134,8 @@ doc::Paragraph statements(const PageData& data) {
       "of the measurement. ");
   if (!input.history.presses)
     words.add(
-        "The pressure was uniform over the array: under objects, or with another interface material, the errors are "
-        "not known from this report. ");
+        "The pressure was uniform over the array: for objects, or another interface material, this report does not "
+        "state the errors. ");
   if (!has_reference(input.run) && !input.history.presses)
     words.add("An error of the regulator’s feedback is contained in the models and cannot be seen in any error here. ");
   const std::string until = valid_until(input.laboratory, input.run.started_utc);
@@ -180,7 +180,7 @@ Document item_and_instruments(const PageData& data) {
   of_laboratory.add("name", lab.laboratory);
   of_laboratory.add("address", lab.address);
   of_laboratory.add("accreditation",
-                    is_certificate(input) ? "No. " + lab.accreditation : "none: this is no certificate");
+                    is_certificate(input) ? "No. " + lab.accreditation : "none: this is not a certificate");
   of_laboratory.add("remarks", lab.remarks);
   of_laboratory.add("customer", lab.customer);
   of_laboratory.add("its address", lab.customer_address);

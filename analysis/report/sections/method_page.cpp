@@ -24,7 +24,7 @@ doc::Table method(const PageData& data) {
   std::vector<std::pair<std::string, Phrase>> rows = {
       {"principle", input.history.presses
                         ? "an object pressed on the array under a force sensor"
-                        : "the whole array under one gas pressure in a chamber, the pressure reference beside it"}};
+                        : "the whole array under one gas pressure in a chamber, together with the pressure reference"}};
   for (std::size_t i = 0; i < input.run.sequences.size(); ++i) {
     const db::SequenceRecord& sequence = input.run.sequences[i];
     const bool known = i < input.method.size() && !input.method[i].empty();
@@ -108,7 +108,7 @@ doc::SideBySide trajectories(const ReportInput& input) {
   return out;
 }
 
-// Also says 0: otherwise a clean run would look like an unchecked one.
+// Also prints 0: otherwise a run without deviations would look like an unchecked one.
 Document deviations(const ReportInput& input) {
   const RunLog& history = input.history;
   Document out;
@@ -126,7 +126,7 @@ Document deviations(const ReportInput& input) {
   for (const db::CheckRecord& check : history.checks)
     checks += fmt::format("{}{} {}", checks.empty() ? "" : ", ", check.kind, check.verdict);
   out.add(doc::Paragraph{
-      {fmt::format("{} void and done again, {} after a fault, {}, {}, {}, {}; {} of {} frames flagged{}. Checks of the "
+      {fmt::format("{} void and repeated, {} after a fault, {}, {}, {}, {}; {} of {} frames flagged{}. Checks of the "
                    "set-up: {}. By the operator: {}.",
                    counted(history.voids.size(), "branch", "branches"), counted(count("attempt"), "attempt"),
                    counted(count("pause"), "pause"), counted(count("suspension"), "suspension"),
@@ -161,12 +161,12 @@ doc::Table repeatability(const ReportInput& input) {
     table.rows.push_back({{fmt::format("repeatability over {}, largest of the levels, mV: mean of all taxels",
                                        counted(b.repeats, "repeat")),
                            largest(&LevelRepeatability::mean_up_v), largest(&LevelRepeatability::mean_down_v)}});
-    table.rows.push_back({{"the same of one taxel, root mean square, mV", largest(&LevelRepeatability::taxel_up_v),
+    table.rows.push_back({{"the same for one taxel, root mean square, mV", largest(&LevelRepeatability::taxel_up_v),
                            largest(&LevelRepeatability::taxel_down_v)}});
   }
   for (const ZeroReturn& zero : b.zero_returns)
     table.rows.push_back(
-        {{fmt::format("zero after less before, {}, mV: mean of all taxels (largest of {})", zero.sequence,
+        {{fmt::format("zero after minus zero before, {}, mV: mean of all taxels (largest of {})", zero.sequence,
                       counted(zero.repeats, "repeat")),
           "", Phrase(doc::number(1e3 * zero.mean_v, 2), " (", doc::number(1e3 * zero.largest_v, 2), ")")}});
   if (std::isfinite(input.health.median_noise_v) && !input.health.noise_v.empty())
@@ -185,7 +185,7 @@ doc::Table repeatability(const ReportInput& input) {
     const Phrase range = shares.size() == 1 ? Phrase(doc::percent_of(most, 2))
                                             : Phrase(doc::percent_of(least, 2), " to ", doc::percent_of(most, 2));
     table.rows.push_back(
-        {{Phrase("creep of the mean of all taxels, % a decade of time: ", counted(shares.size(), "hold"), ", ",
+        {{Phrase("creep of the mean of all taxels, % per decade of time: ", counted(shares.size(), "hold"), ", ",
                  doc::bare_pressure(low), " to ", doc::pressure(high)),
           up ? range : Phrase(""), up ? Phrase("") : range}});
   }
@@ -227,7 +227,7 @@ Document method_page(const PageData& data) {
   const ReportInput& input = data.input;
   Document out, left, right;
   out.add(doc::Heading{2, "How it was measured", "how"});
-  if (!input.applied.empty()) {  // first, since they fill what the page before leaves
+  if (!input.applied.empty()) {  // first, because they fill the rest of the previous page
     out.add(doc::Heading{3, "Pressures applied", {}});
     out.add(trajectories(input));
   }

@@ -23,14 +23,14 @@ struct PageData {
   Issue issue = {};
 };
 
-doc::Document front_page(const PageData& data);            // 1: what a customer must know
+doc::Document front_page(const PageData& data);            // 1: summary for the customer
 doc::Document item_and_instruments(const PageData& data);  // 2: item, instruments, conditions
 doc::Document method_page(const PageData& data);           // 3: method, loops, pressures applied
 doc::Document levels_page(const PageData& data);           // 4: error and U at every level
 doc::Document array_page(const PageData& data);            // 5: maps, spread, as found and as left
 doc::Document budget_page(const PageData& data);           // 6: budget, decision rule, statements, hashes
-doc::Document contact_pages(const PageData& data);  // where there are runs that pressed; of a run without U: page 1
-doc::Document studies_pages(const PageData& data);  // where there are any
+doc::Document contact_pages(const PageData& data);         // for runs that pressed; page 1 for a run without U
+doc::Document studies_pages(const PageData& data);         // if there are studies
 // By name: maps, taxels, models, parameters, events, hashes.
 doc::Document annex(const PageData& data, const std::string& name);
 

@@ -1,4 +1,4 @@
-// Further studies and objects on the array, where such runs were named: each a table, objects with frames.
+// Further studies and objects on the array, if such runs were named: one table each, objects with frames.
 #include <algorithm>
 #include <cmath>
 
@@ -149,8 +149,9 @@ Document object_part(const ContactResult& contact, const ReportInput& input) {
   for (const ContactLevel& level : contact.levels) clamped = std::max(clamped, level.clamped_taxels);
   if (clamped > 0.0)
     out.add(doc::Paragraph{{doc::StyledText{
-        fmt::format("▲ Up to {} taxels stood at the highest pressure of their models: what lies above is not seen.",
-                    doc::fixed_text(clamped, 1)),
+        fmt::format(
+            "▲ Up to {} taxels were at the highest pressure of their models: higher pressures are not measured.",
+            doc::fixed_text(clamped, 1)),
         doc::TextStyle::kDoubt}}});
   return out;
 }
@@ -175,9 +176,8 @@ Document studies_pages(const PageData& data) {
                                   doc::pressure(studies.uniformity.u_offset_psi, 3))}});
     if (studies.uniformity.residual_other_sense_psi < 0.8 * studies.uniformity.residual_rms_psi)
       table.rows.push_back(
-          {{"angles",
-            Phrase(doc::StyledText{"▲ taken clockwise they explain more: were they typed with the opposite sign?",
-                                   doc::TextStyle::kDoubt})}});
+          {{"angles", Phrase(doc::StyledText{"▲ clockwise angles fit better: were they typed with the opposite sign?",
+                                             doc::TextStyle::kDoubt})}});
   }
   Document out;
   if (!table.rows.empty()) out.add(std::move(table));

@@ -14,7 +14,7 @@ inline constexpr int kControlRuns = 60;             // runs over which the rate 
 inline constexpr double kGrossFalseAlarm = 1e-5;  // a run: that one value of a sound figure lies outside its wide band
 
 // z_0 = 0, z_t = lambda u_t + (1 - lambda) z_(t-1), u = (x - mean) / s; mean and s of the n start-up values. Of normal
-// values with neither mean nor deviation known,
+// values with unknown mean and deviation,
 //   z_t / sqrt(lambda / (2 - lambda) (1 - (1 - lambda)^2t) + (1 - (1 - lambda)^t)^2 / n)
 // is distributed as Student's t with n - 1 degrees of freedom, exactly, at each t: the second term is the uncertainty
 // of the mean, t that of s. What an estimated mean and s do to an EWMA otherwise: Jones, Champ and Rigdon 2001,

@@ -25,7 +25,7 @@ struct DwellEffect {
 
 double median_dwell_s(const Dataset& dataset);  // over all frames above kHeldAbovePsi; NaN where none states it
 
-// The first of `runs` with repeats whose dwell times differ by a factor of two tells. Outputs rising (as_modelled).
+// From the first of `runs` with repeats whose dwell times differ by a factor of two. Outputs rising (as_modelled).
 DwellEffect dwell_effect_of(const Dataset& calibration, std::span<const Dataset* const> runs, const SensorModel& fit,
                             int threads = 0);
 

@@ -29,7 +29,7 @@ void check_same_sensor(const Dataset& dataset, const SensorModel& fit) {
     throw AnalysisError(
         "TB-ANALYSIS-ORIGIN",
         fmt::format("run {} is {}, the models of run {} are {}", dataset.run, dataset.origin, fit.run, fit.origin),
-        "origins never mix: use models of the same origin");
+        "use models of the same origin as the run");
 }
 
 namespace {

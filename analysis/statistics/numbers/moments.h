@@ -34,7 +34,7 @@ double median_of(std::vector<double> values);
 // The value that is at place floor(share * n) when all are sorted, 0 <= share <= 1; of an even number share 0.5 gives
 // the upper of the middle two. Values not empty, none of them NaN.
 double quantile_of(std::vector<double> values, double share);
-// Between the values at the places beside share * (n - 1), linear. Values sorted, not empty.
+// Linear between the values on both sides of share * (n - 1). Values sorted, not empty.
 double quantile_between(std::span<const double> sorted, double share);
 
 // Least squares of y over x: sums of squares and products about the means.

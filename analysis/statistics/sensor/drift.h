@@ -26,7 +26,7 @@ struct Drift {
   double tolerance = 0.0;                            // share of full scale
   // Mean change of the taxels' zeros (share of full scale) and gains (of 1) since the fit, and U (k = 2): the taxels'
   // own uncertainties taken as one common error, the scatter of their changes, and what both leave: `adjusted`, a
-  // change of the pattern beside the model's own error. gain_u 0: the inputs tell no gain.
+  // change of the pattern in addition to the model's error. gain_u 0: the inputs do not determine a gain.
   double zero = 0.0, zero_u = 0.0, gain = 0.0, gain_u = 0.0;
   DriftVerdict verdict = DriftVerdict::kGood;
   [[nodiscard]] bool drifted() const { return verdict != DriftVerdict::kGood; }

@@ -18,7 +18,7 @@ struct HealthOptions {
 
 struct TaxelHealth {
   int taxel = 0;          // row * columns + column
-  std::string state;      // dead | stuck | saturated | noisy | unfit; a taxel may stand here twice
+  std::string state;      // dead | stuck | saturated | noisy | unfit; a taxel may be listed twice
   std::string reason;     // with the figure that decided, for people
   bool excluded = false;  // left out of every figure of models and compensation
 };
@@ -48,7 +48,7 @@ struct Health {
 Health health_of(const Dataset& dataset, const SensorModel& fit, bool loaded, const HealthOptions& options = {});
 
 // Pairs of rows and of columns of 8 taxels or more that changed places, each the other's best fit, between two frames
-// of responses (rows x columns, row-major). A taxel that is not finite in one frame is left out: it tells nothing of
+// of responses (rows x columns, row-major). A taxel that is not finite in one frame is left out: it shows nothing about
 // its line.
 std::vector<SwappedLines> swapped_lines(int rows, int columns, const std::vector<double>& now,
                                         const std::vector<double>& before, const HealthOptions& options = {});

@@ -45,7 +45,7 @@ struct ContactLevel {
   ContactFigures raw, compensated;
   // |force of the array - force of the force sensor|, N.
   double raw_force_error_n = 0.0, compensated_force_error_n = 0.0;
-  // Distance of the centre of pressure from the object's axis, which a registration tells; NaN without one.
+  // Distance of the centre of pressure from the object's axis, which needs a registration; NaN without one.
   double raw_place_error_mm = 0.0, compensated_place_error_mm = 0.0;
   // Distance of the centre of pressure from its mean over all levels of its position: how much it wanders.
   double raw_wander_mm = 0.0, compensated_wander_mm = 0.0;

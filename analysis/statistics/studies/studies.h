@@ -25,7 +25,7 @@ struct Uniformity {
   std::vector<double> pressure_psi;   // levels that all runs have, above 0 and below the models' end
   std::vector<double> u_psi;          // of each level: standard deviation of the chamber's part over the array
   std::vector<double> residual_psi;   // of each level: standard deviation of what neither map explains
-  std::vector<double> chamber_share;  // cells: slope of the chamber's part over pressure; NaN where no run tells
+  std::vector<double> chamber_share;  // cells: slope of the chamber's part over pressure; NaN if no run shows it
   std::vector<double> chamber_psi;    // cells: its part that does not grow with pressure
   std::vector<double> sensor_share;   // taxels: the same of the sensor's part
   double u_share = 0.0;               // standard deviation of chamber_share: relative standard uncertainty

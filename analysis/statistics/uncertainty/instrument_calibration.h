@@ -45,7 +45,8 @@ struct InstrumentCalibration {
 // Never throws: what cannot be read is not stated.
 InstrumentCalibration calibration_of(const db::DeviceRecord& device, std::span<const InstrumentNote> notes = {});
 
-// On the day that `utc` begins with, the last day of validity included. What is no date is not after any.
+// On the day that `utc` begins with, the last day of validity included. A text that is not a date is not after any
+// date.
 DueState due_state(const InstrumentCalibration& calibration, std::string_view utc);
 
 // How many times its stated limit of change an instrument may be off on that day, at least 1: the time since the

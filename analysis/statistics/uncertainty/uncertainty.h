@@ -5,7 +5,7 @@
 //   + d_repeat + d_conditioning + d_fit + d_history + d_dwell + d_mount + d_own
 //   + d_certificate + d_drift + d_digit + d_input + d_hysteresis + d_reference's zero and temperature
 //   + d_uniformity,   f: the inverse of the branch [Eqs (29)-(39)]
-// Every d has the expectation 0 and is taken as independent; c = 1 but for voltages, whose c is the inverse's slope.
+// Every d has the expectation 0 and is assumed independent; c = 1 except for voltages, whose c is the inverse's slope.
 // e, the mean error of the full sweeps at the level and half of creep's effect, is known and taken off (3.2.3, 6.3.1).
 // The budgets say where U comes from. The U quoted for a reading is not theirs: it is counted from observed errors, one
 // U for each kind of pressure history (history_kind.h).
@@ -102,7 +102,7 @@ struct Budget {
   // False: within +-2 u of the voltage the inverse's slope changes by more than a quarter and the voltage's part of the
   // variance is above a tenth, or the curve ends there: Eq. (10) is then no good approximation (5.1.2, note).
   bool linear = true;
-  // Of who does not take e off: a reading less the pressure lies between these (6.3.1, note).
+  // For users who do not subtract e: reading minus pressure lies between these (6.3.1, note).
   [[nodiscard]] double lower_psi() const { return error_psi - expanded_psi; }
   [[nodiscard]] double upper_psi() const { return error_psi + expanded_psi; }
 };

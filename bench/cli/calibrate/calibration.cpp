@@ -47,7 +47,7 @@ using sequences::Recipe;
   throw Error("TB-USAGE", what, where, remedy);
 }
 
-// As a shell takes it for one word.
+// Quotes the text as one word for a shell.
 std::string command_word(const std::string& text) {
   constexpr const char* kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./:=,+%@";
   if (!text.empty() && text.find_first_not_of(kPlain) == std::string::npos) return text;
@@ -88,10 +88,10 @@ class Calibration {
     analysis::doc::Table line;
     line.rows.push_back({{fmt::format("{}/5", stage), fmt::format("{:\u00A0<8}", name), text}});
     print_table(std::move(line));
-    std::fflush(stdout);  // a log shows the stages as they come
+    std::fflush(stdout);  // so that a log shows the stages immediately
   }
 
-  // Everything that can be known before a device is touched.
+  // All checks that are possible before a device is touched.
   void check() {
     check_operator(options_.operator_name);
     (void)metadata_tags(options_.metadata);
@@ -106,7 +106,8 @@ class Calibration {
     result_.unit = session_.unit();
     report_only_ = limits.rule == analysis::DecisionRule::kReportOnly;
     if (options_.held_out != 0 && options_.run == 0)
-      refuse("--held-out names a run that judges, and no run is named for the models", "--held-out", "add --run RUN");
+      refuse("--held-out names a run to judge on, but --run names no run for the models", "--held-out",
+             "add --run RUN");
     const bool exists = std::filesystem::exists(session_.db);
     if (options_.run != 0 || exists) {
       const db::RunStore store = db::RunStore::open_read_only(session_.db);
@@ -117,7 +118,7 @@ class Calibration {
     if (options_.held_out == 0 && !report_only_) check_judged(recipes, judging, limits);
     if (!sensor_ && bench_.origin == devices::Origin::kHardware && !std::filesystem::exists(options_.type))
       throw Error("TB-SENSOR-UNKNOWN",
-                  fmt::format("sensor '{}' is new, and there is no file '{}' that describes its type", options_.serial,
+                  fmt::format("sensor '{}' is new, and its sensor type file '{}' does not exist", options_.serial,
                               options_.type),
                   "--type " + options_.type, "name its sensor type file: --type FILE; or correct the serial number");
     print_total(recipes, judging, overrides.recipe);
@@ -131,8 +132,8 @@ class Calibration {
     return time.total();
   }
 
-  // The longest shipped form that fits by the time model: what runs have taken would let the same words mean another
-  // form the next time.
+  // The longest shipped form that fits by the time model. Times of past runs are not used, so that the same options
+  // always select the same form.
   void choose_form(const std::vector<sequences::Override>& overrides) {
     double least = 0.0;
     for (const CalibrationForm& form : calibration_forms()) {
@@ -143,12 +144,12 @@ class Calibration {
       if (least <= options_.minutes) return;
     }
     throw Error("TB-CALIBRATE-MINUTES",
-                fmt::format("no shipped form of the calibration takes {:g} minutes or less: the shortest, {} and {}, "
-                            "takes about {:.0f}",
+                fmt::format("no shipped version of the calibration takes {:g} minutes or less: the shortest, {} and "
+                            "{}, takes about {:.0f}",
                             options_.minutes, fmt::join(form_.recipes, ", "), fmt::join(form_.held_out_recipes, ", "),
                             std::ceil(least)),
                 "--minutes",
-                fmt::format("--minutes {:.0f}; or recipes of your own: --recipe, --held-out-recipe", std::ceil(least)));
+                fmt::format("--minutes {:.0f}; or your own recipes: --recipe, --held-out-recipe", std::ceil(least)));
   }
 
   void print_total(const std::vector<Recipe>& recipes, const std::vector<Recipe>& judging,
@@ -171,12 +172,12 @@ class Calibration {
     std::vector<Recipe> recipes = read_recipes(names, overrides);
     check_recipes(recipes, bench_);
     if (needs_press(recipes))
-      refuse(fmt::format("no models are made from recipes that press objects: {}", fmt::join(names, ", ")), "calibrate",
-             "name recipes with loops of pressure, such as production or random-reversal");
+      refuse(fmt::format("models cannot be made from recipes that press objects: {}", fmt::join(names, ", ")),
+             "calibrate", "name recipes with loops of pressure, such as production or random-reversal");
     return recipes;
   }
 
-  // What the verdict can only be inconclusive on.
+  // Reports requirements whose verdict can only be inconclusive.
   void check_judged(const std::vector<Recipe>& recipes, const std::vector<Recipe>& judging,
                     const analysis::Limits& limits) const {
     const NotJudged open =
@@ -195,8 +196,8 @@ class Calibration {
 
   void check_run(const db::RunRecord& run, const char* option) const {
     if (run.sensor_serial != options_.serial)
-      refuse(fmt::format("run {} is of sensor '{}', not of '{}'", run.run, run.sensor_serial, options_.serial), option,
-             "name a run of this sensor: tactbench runs list --sensor " + options_.serial);
+      refuse(fmt::format("run {} belongs to sensor '{}', not to '{}'", run.run, run.sensor_serial, options_.serial),
+             option, "name a run of this sensor: tactbench runs list --sensor " + options_.serial);
     if (run.outcome != db::Outcome::kCompleted)
       refuse(fmt::format("run {} did not complete: {}", run.run, db::to_string(run.outcome)), option,
              fmt::format("tactbench resume {} completes it; or name another run", run.run));
@@ -213,7 +214,7 @@ class Calibration {
   std::string measured() {
     if (options_.run != 0) {
       result_.run = options_.run;
-      return fmt::format("run {} is taken as it is", options_.run);
+      return fmt::format("run {} is used unchanged", options_.run);
     }
     RunOptions run = run_options("measure", "calibrate: measured for the models");
     run.recipes = form_.recipes;
@@ -224,7 +225,7 @@ class Calibration {
   std::string held_out() {
     if (options_.held_out != 0) {
       result_.held_out = options_.held_out;
-      return fmt::format("run {} is taken as it is", options_.held_out);
+      return fmt::format("run {} is used unchanged", options_.held_out);
     }
     RunOptions run =
         run_options("held out", fmt::format("calibrate: held out, to judge the models of run {}", result_.run));
@@ -283,7 +284,7 @@ class Calibration {
     return fmt::format("{}: {}", written.report.number, written.path);
   }
 
-  // Does a stage's work; what it throws names the command that continues.
+  // Carries out a stage; adds the command to continue to its errors.
   template <class Work>
   void with_resume_command(const Work& work) {
     try {
@@ -299,7 +300,7 @@ class Calibration {
     }
   }
 
-  // A stage after the runs touches no device, but they did.
+  // A stage after the runs touches no device, but the runs did.
   [[nodiscard]] std::string rig_state(const Error& error) const {
     const bool measured = (options_.run == 0 && result_.run != 0) || (options_.held_out == 0 && result_.held_out != 0);
     return error.rig_state().empty() && measured ? "each completed run ended in its proved safe state"
@@ -307,7 +308,7 @@ class Calibration {
   }
 
   [[nodiscard]] std::string resume_command(const Error& error) {
-    // Seated badly, or hopeless: that run is not worth completing.
+    // Bad seating, or a hopeless run, which is not worth completing.
     const bool measure_anew = error.code() == ExitCode::kCriterionFailed;
     const bool resumed = begun_ != 0 && !measure_anew;
     std::int64_t run = result_.run, held_out = result_.held_out;
@@ -325,7 +326,7 @@ class Calibration {
   BenchConfig bench_;
   std::optional<db::SensorRecord> sensor_;
   bool report_only_ = false;
-  std::int64_t begun_ = 0;  // a run that has a row and did not complete
+  std::int64_t begun_ = 0;  // a run in the store that did not complete
   CalibrationResult result_;
 };
 
@@ -379,41 +380,42 @@ void add_calibrate(CLI::App& app, Session& session) {
   CLI::App* verb = app.add_subcommand(
       "calibrate",
       "from a serial number to a verdict and a report\n"
-      "Registers the sensor if it is new, measures it twice, the second time to judge by and to count its uncertainty, "
-      "fits, judges, writes the report, and prints PASS, FAIL or INCONCLUSIVE.");
+      "Registers the sensor if it is new, measures it twice (the second run serves to judge and to compute the "
+      "uncertainty), fits, judges, writes the report, and prints PASS, FAIL or INCONCLUSIVE.");
   verb->footer(
-      "Exit code: 0 pass or conditional pass, 1 fail, 6 inconclusive or conditional fail; otherwise as of the stage "
-      "that failed, which names the commands that continue.");
+      "Exit code: 0 pass or conditional pass, 1 fail, 6 inconclusive or conditional fail; otherwise that of the failed "
+      "stage, whose error names the commands to continue.");
   verb->add_option("serial", options->serial, "the sensor's serial number")->required();
   profile.add_operator(*verb, options->operator_name);
   CLI::Option* recipe = profile
                             .add(*verb, "--recipe", ProfileKey::kRecipe, options->recipes,
-                                 "recipes of the run that the models are made from: files or names of shipped ones")
+                                 "recipes of the run from which the models are made: files or names of shipped ones")
                             ->take_all()
                             ->default_str("production");
   CLI::Option* held_out =
       verb->add_option("--held-out-recipe", options->held_out_recipes,
-                       "recipes of the run that readings are judged on and their U is counted on, by kind of history")
+                       "recipes of the run on which readings are judged and their U is computed, by kind of history")
           ->take_all()
           ->default_str("verification");
-  verb->add_option("--minutes", options->minutes,
-                   "of process time for both runs: the longest shipped form that fits, in place of recipes of your own")
+  verb->add_option(
+          "--minutes", options->minutes,
+          "process time of both runs: selects the longest shipped version that fits, instead of your own recipes")
       ->check(CLI::PositiveNumber)
       ->excludes(recipe)
       ->excludes(held_out);
-  profile.add(*verb, "--limits", ProfileKey::kLimits, options->limits, "limits file that judges")
+  profile.add(*verb, "--limits", ProfileKey::kLimits, options->limits, "limits file to judge by")
       ->capture_default_str();
   profile.add(*verb, "--lab", ProfileKey::kLab, options->lab,
               "laboratory file: facts for the report that no instrument knows");
   std::vector<std::string> models = analysis::model_names();
   models.insert(models.begin(), analysis::kDynamicModel);
   verb->add_option("--model", options->model,
-                   "kind of model; elam is the paper's [dynamic; elam of what that does not take]")
+                   "kind of model; elam is the paper's [dynamic; elam for data that it does not accept]")
       ->check(CLI::IsMember(models));
-  verb->add_option("--type", options->type, "sensor type file, for a sensor that is new")->capture_default_str();
-  verb->add_option("--run", options->run, "make the models from this completed run of the sensor, measure none")
+  verb->add_option("--type", options->type, "sensor type file, for a new sensor")->capture_default_str();
+  verb->add_option("--run", options->run, "make the models from this completed run of the sensor instead of measuring")
       ->check(CLI::PositiveNumber);
-  verb->add_option("--held-out", options->held_out, "judge on this completed run of the sensor, measure none")
+  verb->add_option("--held-out", options->held_out, "judge on this completed run of the sensor instead of measuring")
       ->check(CLI::PositiveNumber);
   add_metadata_options(*verb, options->metadata);
   verb->add_option("--set", options->set,
@@ -486,7 +488,7 @@ doc::Document verdict_document(const CalibrationResult& result, const Session& s
   out.add(doc::Paragraph{
       {fmt::format("sensor {}, limits '{}', bad taxels: {}", one_line(result.sensor), one_line(result.limits),
                    bad_taxels_text(bad_taxels(result.fit, result.judgement, result.unit)))}});
-  if (!result.drift.empty()) out.add(doc::Paragraph{{"drifted since its models before: ", result.drift}});
+  if (!result.drift.empty()) out.add(doc::Paragraph{{"drifted since its previous models: ", result.drift}});
   return out;
 }
 

@@ -19,10 +19,10 @@ namespace tactbench::bench {
 
 struct CalibrateOptions {
   std::string serial, bench, operator_name, lab, on_event;
-  std::string limits = "limits.toml", type = "sensor.toml", model;  // model: empty: as fit chooses
+  std::string limits = "limits.toml", type = "sensor.toml", model;  // model: empty: the one that fit chooses
   std::vector<std::string> recipes = {"production"}, held_out_recipes = {"verification"};
-  double minutes = 0.0;                // of process time, both runs: the longest shipped form that fits; 0: the first
-  std::vector<std::string> set;        // recipe.key=value: of `recipes` alone
+  double minutes = 0.0;          // process time of both runs: selects the longest shipped form that fits; 0: the first
+  std::vector<std::string> set;  // recipe.key=value; only for `recipes`
   std::int64_t run = 0, held_out = 0;  // completed runs of the sensor to continue from; 0: measured now
   MetadataOptions metadata;            // of both runs
   SeedOptions seeds;                   // the held-out run gets the following seed of noise
@@ -41,9 +41,9 @@ struct CalibrationForm {
 };
 const std::vector<CalibrationForm>& calibration_forms();
 
-// Sets session.code by the verdict. Throws before anything is touched where files, recipes or limits do not go together
-// (sequences::FileError, Error TB-CALIBRATE-LEVELS, TB-CALIBRATE-MINUTES, TB-USAGE, ...), later what `run`, `fit` and
-// `report` throw, with the command line to continue added to the remedy.
+// Sets session.code by the verdict. Throws, before any device is touched, when files, recipes or limits do not match
+// (sequences::FileError, Error TB-CALIBRATE-LEVELS, TB-CALIBRATE-MINUTES, TB-USAGE, ...), later the errors of `run`,
+// `fit` and `report`, with the command line to continue added to the remedy.
 void calibrate(const CalibrateOptions& options, Session& session);
 
 // Output of `calibrate` as text and JSON: the verdict with its reason, and the bad taxels.
@@ -51,10 +51,10 @@ void calibrate(const CalibrateOptions& options, Session& session);
 struct Session;
 
 struct CalibrationResult {
-  std::string sensor, origin, limits;  // limits: name in their file
+  std::string sensor, origin, limits;  // limits: the name in the limits file
   bool registered = false;             // the sensor was new
-  std::int64_t run = 0, held_out = 0;  // measured for the models; judged
-  JudgedFit fit;                       // its evaluations: the run's own, then the held-out run's
+  std::int64_t run = 0, held_out = 0;  // run: measured for the models; held_out: judged
+  JudgedFit fit;                       // evaluations: first of the run itself, then of the held-out run
   analysis::Judgement judgement;       // as in the report
   std::string report_number, report_path;
   std::string drift;  // drift_text() of a sensor that was measured before; empty: not known
@@ -65,12 +65,11 @@ struct BadTaxel {
   int row = 0, column = 0;
   std::string why;  // "dead"; "mean |error| 3.40 psi, the largest"
 };
-// Taxels without a model, in the order of their numbers; then, where the requirement on the worst taxel does not pass,
-// that one.
+// Taxels without a model, in the order of their numbers; then the worst taxel, if the requirement on it is not met.
 std::vector<BadTaxel> bad_taxels(const JudgedFit& fit, const analysis::Judgement& judgement,
                                  analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
 
-// One line about the fit, without a line end; and the document that ends `calibrate`, below the verdict in block
+// One line about the fit, without a line end; and the document that `calibrate` prints last, below the verdict in block
 // letters.
 std::string fit_line(const CalibrationResult& result);
 analysis::doc::Document verdict_document(const CalibrationResult& result, const Session& session);

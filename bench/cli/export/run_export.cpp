@@ -147,7 +147,8 @@ void copy_runs(std::vector<std::int64_t> runs, const std::string& file, const Se
       left.push_back({{"models_of", run}, {"judged_on", other}});
       if (!session.json)
         tty::print(
-            "note: the models of run {0} were judged on run {1}, which is not copied: that verdict is left behind; to "
+            "note: the models of run {0} were judged on run {1}, which is not copied, so that verdict is left behind; "
+            "to "
             "include it, copy both into a new store: tactbench runs copy {0} {1} --to FILE\n",
             run, other);
     }
@@ -182,14 +183,15 @@ void add_run_copy(CLI::App& runs, Session& session) {
       "A verdict is copied with the judged run; when only the models' run is copied, a note names the verdicts left "
       "behind.");
   verb->add_option("runs", *names,
-                   "numbers of ended runs; with --from also UUIDs; none: the whole store into a new "
-                   "file, also while a run is written")
+                   "numbers of ended runs; with --from also UUIDs; none: copy the whole store into a new file, "
+                   "possible even while a run is written")
       ->take_all();
   add_from_option(*verb, *from);
   verb->add_option("--to", *file, "the other store; made if it does not exist")->required();
   verb->callback([names, file, from, &session] {
     if (names->empty() && !from->empty())
-      throw Error("TB-USAGE", "of a fleet runs are copied, and none is named", "--from", "name them by their UUIDs");
+      throw Error("TB-USAGE", "--from copies runs of a fleet, but no run is named", "--from",
+                  "name them by their UUIDs");
     if (names->empty()) return snapshot_db(*file, session);
     std::vector<std::int64_t> numbers;
     if (from->empty()) {
@@ -209,7 +211,7 @@ void add_run_copy(CLI::App& runs, Session& session) {
 
 void add_run_export(CLI::App& runs, Session& session) {
   auto options = std::make_shared<RunExportOptions>();
-  CLI::App* verb = runs.add_subcommand("export", "write a run's frames as CSV, or all of it as JSON");
+  CLI::App* verb = runs.add_subcommand("export", "write a run's frames as CSV, or the whole run as JSON");
   verb->add_option("run", options->run, "run number")->required();
   verb->add_option("--format", options->format, "csv: one line per scan, raw counts and volts; json: the whole run")
       ->check(CLI::IsMember({"csv", "json"}))

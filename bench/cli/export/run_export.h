@@ -9,10 +9,10 @@ namespace tactbench::bench {
 
 inline constexpr const char* kSeriesHead = "sequence,name,taxel,position,input,output\n";
 
-// First the run, in lines that begin with '#'; then the names of the columns, which end in their unit; then one line
-// per scan: the numbers of its frame, raw counts and, where the scanner's volts per count are stored, volts. Times have
-// all their digits, volts seven; what was not measured is empty. Written frame by frame, because a long run needs too
-// much memory.
+// First lines about the run, which begin with '#'; then the names of the columns, which end in their unit; then one
+// line per scan: the values of its frame, raw counts and, if the scanner's volts per count are stored, volts. Times
+// have all their digits, volts seven; a value that was not measured is empty. Written frame by frame, because a long
+// run does not fit in memory.
 void frames_csv(const db::RunStore& store, const db::RunRecord& run, std::ostream& stream);
 void series_csv(const db::RunStore& store, const db::RunRecord& run, std::ostream& stream);
 

@@ -48,9 +48,9 @@ void add_fleet_option(CLI::App& verb, const char* name, std::string& value, Sess
   session.profile
       .add(verb, name, ProfileKey::kFleet, value,
            std::string_view(name) == "--to"
-               ? "how to connect to the fleet's PostgreSQL, as psql takes it: \"host=db.lab dbname=tactile "
+               ? "connection string of the fleet's PostgreSQL, as for psql: \"host=db.lab dbname=tactile "
                  "user=bench_a sslmode=verify-full\", \"service=NAME\"; keep the password in ~/.pgpass"
-               : "how to connect to the fleet, as --to of fleet push")
+               : "connection string of the fleet, as --to of fleet push")
       ->required();
 }
 
@@ -64,7 +64,7 @@ void add_fleet(CLI::App& app, Session& session) {
   add_subverbs(*group, session);
 }
 
-// fleet push: brings ended runs to the fleet.
+// fleet push: sends ended runs to the fleet.
 
 namespace {
 
@@ -107,7 +107,7 @@ void push(const PushOptions& options, Session& session) {
                         {"remarks", !one.content}});
       if (session.json || session.quiet) continue;
       tty::print("run {} is the fleet's run {}: {}{}\n", run.run, number,
-                 one.content ? analysis::counted(frames, "frame") : std::string("what was said of it later"),
+                 one.content ? analysis::counted(frames, "frame") : std::string("later records about it"),
                  fits > 0 ? fmt::format(", {}", analysis::counted(fits, "fit")) : "");
       std::fflush(stdout);
     } catch (...) {
@@ -137,18 +137,18 @@ void push(const PushOptions& options, Session& session) {
 
 void add_fleet_push(CLI::App& group, Session& session) {
   auto options = std::make_shared<PushOptions>();
-  CLI::App* verb = group.add_subcommand("push", "bring ended runs, and what was said of them since, to the fleet");
+  CLI::App* verb = group.add_subcommand("push", "send ended runs, and later records about them, to the fleet");
   add_fleet_option(*verb, "--to", options->to, session);
   verb->add_option("--patience", options->patience_s,
-                   "seconds without a byte from the server until it counts as lost; more for one that is overloaded")
+                   "seconds without a byte from the server until it counts as lost; use more for an overloaded server")
       ->check(CLI::Range(1, 3600))
       ->capture_default_str();
   verb->footer(
-      "Each run is checked, sent in one transaction, read back, and kept when it is what was sent. A run that is not "
-      "what was stored (tactbench verify) is not sent; the others are. The store is only read: a run that is being "
-      "carried out does not notice.\n"
-      "Exit codes: 0 all is there, 3 the server cannot be reached, refuses the login or was lost, 5 it cannot take a "
-      "run.");
+      "Each run is checked, sent in one transaction, read back, and kept if it equals what was sent. A run that has "
+      "changed since it was stored (tactbench verify) is not sent; the others are. The store is only read: a live run "
+      "is not affected.\n"
+      "Exit codes: 0 the fleet has all runs, 3 the server cannot be reached, refuses the login or was lost, 5 it "
+      "cannot store a run.");
   verb->callback([options, &session] { push(*options, session); });
 }
 
@@ -161,7 +161,7 @@ std::string backlog_text(std::size_t ended, std::size_t runs, std::size_t remark
   std::string text = fmt::format("{} of {} there", ended - runs, analysis::counted(ended, "ended run"));
   if (runs > 0)
     text += fmt::format("; {} with {} waiting", analysis::counted(runs, "run"), analysis::counted(frames, "frame"));
-  if (remarks > 0) text += fmt::format("; of {} something newer waits", analysis::counted(remarks, "run"));
+  if (remarks > 0) text += fmt::format("; {} changed since and not sent", analysis::counted(remarks, "run"));
   return text + (runs + remarks == 0 ? "; nothing waits\n" : "; tactbench fleet push sends it\n");
 }
 
@@ -170,7 +170,7 @@ void status(const std::string& to, Session& session) {
   const std::vector<LocalRun> ended = ended_runs(store);
   fleet::Link link(to);
   fleet::check_schema(link);
-  std::size_t runs = 0, remarks = 0;  // remarks: of runs that are there, and of which something newer is said
+  std::size_t runs = 0, remarks = 0;  // remarks: runs in the fleet with newer records here
   std::int64_t frames = 0;
   for (const LocalRun& one : waiting_runs(link, ended, source_name(session.db))) {
     ++(one.content ? runs : remarks);
@@ -196,13 +196,13 @@ void status(const std::string& to, Session& session) {
 
 void add_fleet_status(CLI::App& group, Session& session) {
   auto to = std::make_shared<std::string>();
-  CLI::App* verb = group.add_subcommand("status", "how far the store is behind the fleet");
+  CLI::App* verb = group.add_subcommand("status", "what the fleet does not have yet");
   add_fleet_option(*verb, "--to", *to, session);
-  verb->footer("Exit codes: 0 the server was reached, also when something waits, 3 it was not, 5 it takes nothing.");
+  verb->footer("Exit codes: 0 the server was reached, also if runs are waiting; 3 it was not; 5 it cannot store runs.");
   verb->callback([to, &session] { status(*to, session); });
 }
 
-// fleet runs, show, trend: the verbs of a store, on the facts of the fleet's runs, or on a copy of those that they
+// fleet runs, show, trend: the verbs of a store, on the facts of the fleet's runs, or on a copy of the runs that they
 // need.
 
 namespace {
@@ -213,7 +213,7 @@ struct ReadOptions {
   std::string from, origin = "hardware", where, run;
 };
 
-// So that nobody takes the runs of one origin for all.
+// So that the runs of one origin are not mistaken for all runs.
 void tell_other_origins(fleet::Link& link, const ReadOptions& options, const Session& session) {
   if (session.json) return;
   for (const auto& [origin, runs] : fleet::runs_by_origin(link)) {
@@ -221,7 +221,7 @@ void tell_other_origins(fleet::Link& link, const ReadOptions& options, const Ses
   }
 }
 
-// What the list shows of a run, from its facts. Throws nlohmann::json::exception where they are none.
+// A run as listed, from its facts. Throws nlohmann::json::exception if they are invalid.
 ListedRun listed_run(const fleet::FleetRun& run, const Json& facts) {
   ListedRun listed;
   listed.run.run = run.run;
@@ -257,7 +257,7 @@ void list_fleet(const ReadOptions& options, const RunsListOptions& wanted, Sessi
       if (!wanted.sensor.empty() && listed.run.sensor_serial != wanted.sensor) continue;
       if (listed.run.started_utc < wanted.since || !list.takes(listed.run, listed.verdict)) continue;
       list.add(listed, session.json ? row_of(run, facts) : Json());
-    } catch (const nlohmann::json::exception& error) {  // a bench may say anything; it hides nobody's run but its own
+    } catch (const nlohmann::json::exception& error) {  // invalid facts of a bench hide only its own run
       tty::print(stderr, "warning: run {}, pushed by {}: its facts cannot be read: {}\n", run.run,
                  one_line(run.pushed_by), one_line(error.what()));
     }
@@ -266,7 +266,7 @@ void list_fleet(const ReadOptions& options, const RunsListOptions& wanted, Sessi
   tell_other_origins(from.link(), options, session);
 }
 
-// A JSON document is one document, so what is the fleet's own goes into lines for people alone.
+// JSON output is a single document, so facts about the fleet are printed only as text.
 void show_fleet(const ReadOptions& options, Session& session) {
   FleetImport from(session, options.from);
   const fleet::FleetRun run = fleet::find_run_by_name(from.link(), options.run);
@@ -278,7 +278,7 @@ void show_fleet(const ReadOptions& options, Session& session) {
 
 void trend_fleet(const ReadOptions& options, const TrendOptions& trend_options, Session& session) {
   FleetImport from(session, options.from);
-  std::vector<fleet::FleetRun> runs;  // with figures, since a list of all runs of a fleet is long
+  std::vector<fleet::FleetRun> runs;  // only runs with figures, because a list of all runs of a fleet is long
   for (fleet::FleetRun& run : fleet::find_runs(from.link(), options.origin, options.where)) {
     const nlohmann::json facts = analysis::try_json(run.facts);
     const bool has = facts.is_object() && facts.contains("figures") && !facts["figures"].empty();
@@ -303,7 +303,8 @@ CLI::App* add_reader(CLI::App& group, const char* name, const char* about, ReadO
 }
 
 void add_choice(CLI::App& verb, ReadOptions& options) {
-  verb.add_option("--origin", options.origin, "runs of this origin; origins never mix")
+  verb.add_option("--origin", options.origin,
+                  "runs of this origin; runs of different origins are never listed together")
       ->check(CLI::IsMember({"hardware", "simulated", "imported"}))
       ->capture_default_str();
   verb.add_option("--where", options.where,
@@ -317,13 +318,13 @@ void add_fleet_readers(CLI::App& group, Session& session) {
   auto options = std::make_shared<ReadOptions>();
   auto list = std::make_shared<RunsListOptions>();
   auto figures = std::make_shared<TrendOptions>();
-  CLI::App* runs = add_reader(group, "runs", "one line a run of the fleet, as runs list", *options, session);
+  CLI::App* runs = add_reader(group, "runs", "one line per run of the fleet, as runs list", *options, session);
   add_choice(*runs, *options);
   add_runs_list_options(*runs, *list);
   runs->callback([options, list, &session] { list_fleet(*options, *list, session); });
   CLI::App* show =
       add_reader(group, "show", "everything stored about a run of the fleet, as runs show", *options, session);
-  show->add_option("run", options->run, "the fleet's number of the run, or its UUID or the beginning of it")
+  show->add_option("run", options->run, "the fleet's number of the run, or its UUID, or the beginning of the UUID")
       ->required();
   show->callback([options, &session] { show_fleet(*options, session); });
   CLI::App* over_time = add_reader(group, "trend", "figures of the fleet over time, as trend", *options, session);

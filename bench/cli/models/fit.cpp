@@ -40,7 +40,7 @@ std::vector<std::string> models_of(const std::string& list) {
   return models;
 }
 
-// The dynamic model is of a run's whole array and all its sequences, and has options of its own.
+// The dynamic model is made for a run's whole array and all its sequences, and has its own options.
 void check_dynamic(const FitOptions& options) {
   const FitModelsOptions& models = options.models;
   const auto refuse = [](const std::string& what, const std::string& remedy) {
@@ -48,36 +48,36 @@ void check_dynamic(const FitOptions& options) {
   };
   const bool dynamic = std::ranges::find(models.models, analysis::kDynamicModel) != models.models.end();
   if (!dynamic && (models.rate_run != 0 || models.creep_run != 0))
-    refuse("--rate and --creep are of the dynamic model, and another is named",
+    refuse("--rate and --creep belong to the dynamic model, but another model is named",
            "add --model dynamic, or leave them out");
   if (!dynamic) return;
   if (models.models.size() != 1)
-    refuse("the dynamic model is fitted alone, and several models are named",
-           "tactbench fit RUN; its error stands beside that of the others in a report's annex of models");
+    refuse("the dynamic model is fitted alone, but several models are named",
+           "tactbench fit RUN; a report's annex of models shows its error together with that of the others");
   if ((models.rate_run == 0) != (models.creep_run == 0))
     refuse(
-        "lag and creep come from two further runs of the sensor, one of recipe rate and one of creep-levels, and one "
-        "alone is named",
-        "measure the other (tactbench run rate creep-levels) and name both, --rate RUN --creep RUN; or name none, and "
-        "both are left in");
+        "lag and creep need two further runs of the sensor, one of recipe rate and one of creep-levels, but only one "
+        "is named",
+        "measure the other (tactbench run rate creep-levels) and name both, --rate RUN --creep RUN; or name none: lag "
+        "and creep are then not compensated");
   if (!is_run_number(models.source) && models.rate_run != 0)
-    refuse("lag and creep of a table are found in the table, and runs of them are named",
+    refuse("for a table, lag and creep are found in the table, but --rate or --creep name runs",
            "leave out --rate and --creep, or fit a run");
   if (options.for_others || !models.fit.empty() || models.mean_taxel)
-    refuse("the dynamic model is of all sequences and of the whole array, always on the linearised output",
+    refuse("the dynamic model is always made for all sequences and the whole array, on the linearised output",
            "leave out --fit, --mean-taxel and the options of other models");
 }
 
-// Where none is named: fit_models() looks at the data, unless ELAM alone can do what is asked.
+// If no model is named, fit_models() decides by the data, unless only ELAM supports the options.
 void choose_model(const FitOptions& options, FitModelsOptions& models) {
   if (!options.model_list.empty())
     models.models = models_of(options.model_list);
   else if (models.rate_run != 0 || models.creep_run != 0)
     models.models = {analysis::kDynamicModel};
   else if (options.for_others)
-    models.elam_reason = "the options are of other models than dynamic";
+    models.elam_reason = "the options belong to other models than dynamic";
   else if (!models.fit.empty() || models.mean_taxel)
-    models.elam_reason = "dynamic is of all sequences and of the whole array";
+    models.elam_reason = "dynamic is made for all sequences and the whole array";
 }
 
 void fit(FitOptions options, Session& session) {
@@ -91,11 +91,12 @@ void fit(FitOptions options, Session& session) {
   fit_models(options.models, session);
 }
 
-// Of `fit` and of `compare`.
+// Options of `fit` and of `compare`.
 void add_identification(CLI::App& verb, FitOptions& options) {
-  verb.add_option("--fit", options.fit_list, "fit these sequences alone (names with commas between)");
-  verb.add_option("--score", options.score_list,
-                  "score on these: sequences, runs or tables with commas between (default: what was not fitted)");
+  verb.add_option("--fit", options.fit_list, "fit only these sequences (names separated by commas)");
+  verb.add_option(
+      "--score", options.score_list,
+      "score on these: sequences, runs or tables, separated by commas (default: the sequences that were not fitted)");
   verb.add_option("--mode", options.mode,
                   "paper: branches start at their measured turning points; free-run: at the model's own")
       ->check(CLI::IsMember({"paper", "free-run"}))
@@ -103,18 +104,18 @@ void add_identification(CLI::App& verb, FitOptions& options) {
   verb.add_option("--identify", options.way, "ELAM: exact, or ga, the paper's genetic algorithm, for comparison")
       ->check(CLI::IsMember({"exact", "ga"}))
       ->capture_default_str();
-  verb.add_flag("--linearise", options.models.identify.linearise,
-                "undo the readout divider of each taxel, one number c, where a test on inner branches finds that it "
-                "helps (ours)");
+  verb.add_flag(
+      "--linearise", options.models.identify.linearise,
+      "invert the readout divider of each taxel, one number c, if a test on inner branches shows that it helps (ours)");
   verb.add_flag("--memory", options.models.identify.memory, "ELAM: return-point memory, inner loops close (ours)");
   verb.add_flag("--exact-outer", options.models.identify.exact_outer, "ELAM: external branches follow the patterns");
-  verb.add_option("--splits", options.models.identify.splits, "ELAM: split points a branch (ours when more than 1)")
+  verb.add_option("--splits", options.models.identify.splits, "ELAM: split points per branch (ours if more than 1)")
       ->check(CLI::Range(1, analysis::kMaxSplits))
       ->capture_default_str();
   verb.add_option("--starts", options.models.identify.starts, "GPI: starts of its search")
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
-  verb.add_flag("--mean-taxel", options.models.mean_taxel, "fit and score the mean taxel alone");
+  verb.add_flag("--mean-taxel", options.models.mean_taxel, "fit and score only the mean taxel");
   for (const char* const name : {"--mode", "--identify", "--linearise", "--memory", "--exact-outer", "--splits",
                                  "--starts", "--mean-taxel", "--fit", "--score"})
     verb.get_option(name)->group(kRareOptions);
@@ -133,7 +134,7 @@ void add_fit(CLI::App& app, Session& session) {
   CLI::App* verb =
       app.add_subcommand("fit",
                          "make a model of every taxel of a run or table, and store it\n"
-                         "Its errors are those on its own data; `judge` says how good it is on further runs.");
+                         "Its errors are those on its own data; `judge` reports its errors on further runs.");
   verb->add_option("source", options->models.source, "run number, several (1-400,412), or a table (see runs import)")
       ->required();
   verb->add_option("--model", options->model_list,
@@ -145,10 +146,10 @@ void add_fit(CLI::App& app, Session& session) {
   verb->add_option("--rate", options->models.rate_run, "dynamic: run of recipe rate, which the lag is taken from")
       ->check(CLI::PositiveNumber);
   verb->add_option("--creep", options->models.creep_run,
-                   "dynamic: run of recipe creep-levels, which the creep is taken from; may be the same run")
+                   "dynamic: run of recipe creep-levels, from which the creep is fitted; may be the same run")
       ->check(CLI::PositiveNumber);
-  verb->add_option("-o,--output", options->models.output, "write the one model as a JSON document");
-  verb->add_option("--plot", options->models.plot, "draw the measured loop and the models over it: an SVG file");
+  verb->add_option("-o,--output", options->models.output, "write the model as a JSON document");
+  verb->add_option("--plot", options->models.plot, "draw the measured loop with the models: an SVG file");
   add_replace(*verb, session);
   add_void_too(*verb, session);
   add_all(*verb, session);
@@ -161,7 +162,7 @@ void add_fit(CLI::App& app, Session& session) {
   verb->callback([options, verb, &session] {
     if (options->model_list == "all" || options->model_list.find(',') != std::string::npos)
       throw Error(
-          "TB-USAGE", "one model is fitted, and several are named", "--model",
+          "TB-USAGE", "fit makes one model, but several are named", "--model",
           fmt::format("compare them: tactbench compare {} --models {}", options->models.source, options->model_list));
     options->for_others = for_others(*verb);
     fit(*options, session);
@@ -181,7 +182,7 @@ void add_compare(CLI::App& app, Session& session) {
                    fmt::format("some of {} with commas between, or all", fmt::join(analysis::model_names(), ", ")))
       ->capture_default_str();
   verb->add_option("--html", options->models.html, "write the comparison as a page");
-  verb->add_option("--plot", options->models.plot, "draw the measured loop and the models over it: an SVG file");
+  verb->add_option("--plot", options->models.plot, "draw the measured loop with the models: an SVG file");
   add_replace(*verb, session);
   add_void_too(*verb, session);
   add_all(*verb, session);
@@ -190,7 +191,7 @@ void add_compare(CLI::App& app, Session& session) {
   for (const char* const name : {"--fit", "--score"}) verb->get_option(name)->group("Options");
   verb->callback([options, &session] {
     if (is_run_list(options->models.source))
-      throw Error("TB-USAGE", "models are compared on one run, and several are named", "compare", "name one");
+      throw Error("TB-USAGE", "models are compared on one run, but several are named", "compare", "name one");
     fit(*options, session);
   });
 }
@@ -231,8 +232,8 @@ std::vector<std::int64_t> chosen_runs(const std::string& source, const db::RunSt
     chosen.push_back(run.run);
   }
   if (!chosen.empty()) return chosen;
-  throw Error("TB-FIT-NONE", fmt::format("of the runs {} none can be fitted", source), store.path(),
-              "tactbench runs list shows what there is; void runs are taken with --void-too");
+  throw Error("TB-FIT-NONE", fmt::format("none of the runs {} can be fitted", source), store.path(),
+              "tactbench runs list shows the runs; --void-too includes void runs");
 }
 
 }  // namespace
@@ -244,7 +245,7 @@ bool is_run_list(const std::string& source) {
 void fit_many(const FitModelsOptions& options, Session& session) {
   if (!options.output.empty() || !options.plot.empty() || !options.score.empty() || options.rate_run != 0 ||
       options.mean_taxel)
-    throw Error("TB-USAGE", "several runs are fitted with one model each, of every taxel", "fit",
+    throw Error("TB-USAGE", "with several runs, fit makes one model per run, of every taxel", "fit",
                 "leave out --score, --rate, --creep, --output, --plot and --mean-taxel; or name one run");
   const std::vector<std::int64_t> runs =
       chosen_runs(options.source, db::RunStore::open_read_only(session.db), session.void_too);

@@ -17,9 +17,9 @@ std::string why_elam(const FitModelsOptions& options, const analysis::Histories&
 // True when the data of the dynamic model do not determine the inner branches.
 bool without_inner_branches(const analysis::SensorModel& dynamic);
 
-// Progress stages for fitting `models`; if none is named, for either choice.
+// Progress stages for fitting `models`; if empty, the stages that suit either choice.
 std::vector<WorkStage> fit_stages(const std::vector<std::string>& models);
-inline constexpr const char* kFiguresStage = "figures";  // the last: cross-validation, evaluation, judgement
+inline constexpr const char* kFiguresStage = "figures";  // the last stage: cross-validation, evaluation, judgement
 
 // `fit 1-400`: fits the same models to each of several runs, one output line per run.
 

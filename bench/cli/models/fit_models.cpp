@@ -48,16 +48,16 @@ std::vector<std::string> not_fitted(const analysis::Histories& histories, const 
   return others;
 }
 
-// By what turns were told, and with which noise inputs are given back.
+// The threshold for turns, and the noise used for inputs.
 std::string imported_table_text(const analysis::Histories& histories, const std::vector<std::string>& fitted) {
   const analysis::TaxelHistories& taxel = histories.taxels.back();
   std::size_t branches = 0;
   for (const analysis::History& history : analysis::named(taxel.fit, fitted)) branches += history.branches.size();
-  return fmt::format("{}: the input turned where it went back by more than {:.4g}; noise of the output {:.3g}",
+  return fmt::format("{}: a turn of the input is a step back by more than {:.4g}; noise of the output {:.3g}",
                      analysis::counted(branches, "branch", "branches"), taxel.turn, taxel.noise);
 }
 
-// What is scored is named once, and is not what the models are made from.
+// Checks that scored data are named once and are not the data of the models.
 void check_scored(const FitModelsOptions& options, const analysis::Histories& histories) {
   // 01 and 1 are one run.
   const auto plain = [](const std::string& name) {
@@ -71,19 +71,19 @@ void check_scored(const FitModelsOptions& options, const analysis::Histories& hi
     named.push_back(sequence ? name : plain(name));
     if (!sequence && plain(name) == plain(options.source))
       throw Error("TB-RUN-OWN",
-                  fmt::format("the models are made from {}: it is no independent data for them", histories.source),
+                  fmt::format("the models are made from {}, so it is not independent data for them", histories.source),
                   "--score", "name other runs or tables, or with --fit the sequences to fit, and score on the others");
   }
 }
 
-// A `fit` from its source to what it prints.
+// A `fit` from its source to its output.
 class Fit {
  public:
   Fit(const FitModelsOptions& options, Session& session) : options_(options), session_(session) {
     if (!options.output.empty() && options.models.size() > 1)
-      throw Error("TB-USAGE", "--output takes one model, and several are named", "fit --output",
+      throw Error("TB-USAGE", "--output writes one model, but several are named", "fit --output",
                   "name one with --model");
-    // Before an hour of anything.
+    // Before hours of computation.
     if (!options.output.empty()) check_output(options.output, kModelFile, session.replace);
     if (!options.html.empty()) check_output(options.html, kPageFile, session.replace);
     if (!options.plot.empty()) check_output(options.plot, kSvgFile, session.replace);
@@ -97,7 +97,7 @@ class Fit {
 
   void run() {
     work();
-    // Of an array some taxels may be unfit, which a verdict judges.
+    // An array may have unfit taxels, which a verdict judges.
     const auto of_table = [](const ModelRow& row) { return row.document.run == 0 && any_unfit(row.document); };
     if (std::ranges::any_of(rows_, of_table)) session_.code = ExitCode::kInconclusive;
     if (!options_.html.empty()) write_page();
@@ -116,7 +116,7 @@ class Fit {
     WorkProgress progress("fit", session_.quiet || session_.json, fit_stages(options_.models));
     options_.table.timed = std::ranges::find(options_.models, analysis::kDynamicModel) != options_.models.end();
     histories_ = read(options_.source, options_.fit);
-    // A run of a bench, every taxel of it: what figures are taken on, and verdicts.
+    // Figures and verdicts need a run of a bench with every taxel.
     on_bench_ = runs_ && histories_.origin != "imported" && !options_.mean_taxel;
     if (on_bench_) (void)named_runs(*runs_, options_.held_out, {"--held-out", histories_.run}, session_.void_too);
     check_scored(options_, histories_);
@@ -143,7 +143,7 @@ class Fit {
         row.document.repeats = analysis::repeat_drifts(runs_->dataset(histories_.run), row.document.fitted(), {});
     }
     in_table_ = !on_bench_ || options_.models.size() > 1 || !targets_.empty();
-    // Parts of the dynamic model's branches are no run, which its time needs.
+    // The dynamic model needs the times of a whole run, not parts of its branches.
     if (in_table_ && options_.models.front() != analysis::kDynamicModel)
       cross_validate(rows_, histories_, options_.fit);
     evaluate();
@@ -158,7 +158,7 @@ class Fit {
     return options_.mean_taxel ? analysis::mean_taxel_of(std::move(histories)) : histories;
   }
 
-  // Others first: a name that is not there costs no fit.
+  // Other sources first, so that a wrong name is found before the fit.
   void find_targets() {
     others_.reserve(options_.score.size());
     std::vector<std::string> own;
@@ -190,8 +190,8 @@ class Fit {
       const db::RunRecord run = named_runs(*runs_, {number}, {option}, session_.void_too).front();
       if (std::ranges::find(options_.held_out, number) != options_.held_out.end())
         throw Error("TB-RUN-OWN",
-                    fmt::format("run {} is named by {}: it is no independent data for the model", number, option),
-                    "--held-out", "name runs that the model is not made from");
+                    fmt::format("run {} is named by {}, so it is not independent data for the model", number, option),
+                    "--held-out", "name runs from which the model is not made");
       *source = {number, run.content_sha256};
     }
     const analysis::Dataset& fitted = runs_->dataset(histories_.run);
@@ -213,7 +213,7 @@ class Fit {
       row.scores.push_back(analysis::score_model(row.document, *target.histories, target.sequences));
   }
 
-  // Figures of a model alone, or for who asks for them.
+  // Figures only for a single model, or on request.
   void evaluate() {
     if (!on_bench_ || (in_table_ && !judging_)) return;
     for (const ModelRow& row : rows_) {
@@ -224,7 +224,7 @@ class Fit {
     }
   }
 
-  // Not before every held-out run was found to go with the models.
+  // Only after every held-out run was found to fit the models.
   void keep() {
     for (ModelRow& row : rows_)
       if (store_) row.document.fit = keep_fit(*store_, row.document);
@@ -271,8 +271,8 @@ class Fit {
     if (on_bench_) tell_outliers();
     doc::Document out = document();
     if (!store_ && options_.output.empty())
-      out.add(doc::Paragraph{{"no model was kept: -o FILE.json keeps it; tactbench runs import ",
-                              one_line(options_.source), " keeps data and models in the store"}});
+      out.add(doc::Paragraph{{"the model was not saved: -o FILE.json saves it; tactbench runs import ",
+                              one_line(options_.source), " stores data and models"}});
     for (const std::string& file : {options_.plot, options_.html})
       if (!file.empty()) out.add(doc::Paragraph{{one_line(file)}});
     print_document(out, session_.unit());
@@ -301,7 +301,7 @@ class Fit {
     write_output(options_.html, page_of(page), session_.replace);
   }
 
-  // Of several models, or of what is no run of the bench.
+  // For several models, or for data that are not a run of the bench.
   void add_tables(doc::Document& out) {
     const auto add = [&](const std::string& text) { out.add(doc::Paragraph{{text}}); };
     add(fmt::format("{} ({}): fitted on {}{}{}", one_line(histories_.source), histories_.origin,
@@ -314,7 +314,7 @@ class Fit {
                             session_.unit(), session_.all));
     if (const std::string dynamics = dynamics_text(rows_.front().document); !on_bench_ && !dynamics.empty())
       add(dynamics);
-    if (targets_.empty()) add("nothing was held out: --fit SEQ,... or --score names what to score on");
+    if (targets_.empty()) add("no data were held out: --fit SEQ,... or --score selects the data to score on");
   }
 
   void tell_outliers() {
@@ -322,7 +322,7 @@ class Fit {
     numbers.insert(numbers.begin(), histories_.run);
     for (const std::int64_t run : numbers)
       if (const int count = runs_->dataset(run).outlying; count > 0)
-        tty::print("run {}: {} left out, which the other scans of the frame contradict\n", run,
+        tty::print("run {}: {} left out, because the other scans of the frame contradict them\n", run,
                    analysis::counted(count, "outlying sample"));
   }
 
@@ -444,11 +444,11 @@ std::string dynamics_text(const analysis::SensorModel& fit) {
       analysis::compensates_creep(*fit.dynamics)
           ? fmt::format("removed ({:.1f} % within {:.0f} s)",
                         100.0 * std::accumulate(d.creep_share.begin(), d.creep_share.end(), 0.0), d.creep_s.back())
-          : "left in (needs a run of creep-levels)";
+          : "not compensated (needs a run of creep-levels)";
   return fmt::format("creep {}; lag {}", creep,
                      analysis::compensates_lag(*fit.dynamics)
                          ? fmt::format("removed ({:.1f} %, {:.2g} s)", 100.0 * d.lag_share, d.lag_s)
-                         : "left in (needs a run of rate)");
+                         : "not compensated (needs a run of rate)");
 }
 
 doc::Document fitted_document(const FittedRun& fitted, analysis::PressureUnit unit, bool all) {

@@ -1,5 +1,5 @@
-// `fit`: fits each model on a run or table, scores it on what it was not fitted to, prints it, judges it, stores it.
-// One way for every model.
+// `fit`: fits each model to a run or table, scores it on other data, prints, judges and stores it. The same procedure
+// for every model.
 #pragma once
 
 #include <cstdint>
@@ -19,18 +19,18 @@ namespace tactbench::bench {
 struct FitModelsOptions {
   std::string source;        // run or table
   std::string verb = "fit";  // of the JSON document
-  // models: empty: the dynamic model, or ELAM of what that does not take. score: sequences of the source, runs, tables;
-  // empty: what was not fitted.
+  // models: empty: the dynamic model, or ELAM for data that it does not accept. score: sequences of the source, runs,
+  // tables; empty: the sequences that were not fitted.
   std::vector<std::string> models, fit, score;
-  std::string elam_reason;                   // why ELAM is made where none is named; empty: the data decide
-  std::vector<std::int64_t> held_out;        // runs that figures are taken on, too
+  std::string elam_reason;                   // why ELAM is made if no model is named; empty: the data decide
+  std::vector<std::int64_t> held_out;        // runs on which figures are computed, too
   std::int64_t rate_run = 0, creep_run = 0;  // of the dynamic model; 0: not named
   std::string limits, lab;                   // files
   analysis::IdentifyOptions identify;
   std::string mount, interface_material;  // for the model's validity
   TableOptions table;
-  std::string output, plot, html;  // files: of the one model; of loop and models as SVG; of their comparison
-  bool mean_taxel = false;         // that one alone
+  std::string output, plot, html;  // files: the one model; loop and models as SVG; comparison of the models
+  bool mean_taxel = false;         // fits only the mean taxel
 };
 
 void fit_models(const FitModelsOptions& options, Session& session);
@@ -38,11 +38,11 @@ void fit_models(const FitModelsOptions& options, Session& session);
 // One model of a run of the bench, with its figures and its judgement.
 struct JudgedFit {
   analysis::SensorModel model;
-  std::vector<NamedEvaluation> evaluations;  // the first is the run's own, then the held-out runs in turn
+  std::vector<NamedEvaluation> evaluations;  // the first is of the run itself, then the held-out runs in turn
   analysis::Judgement judgement;             // empty without limits
 };
-// As fit_models(), stores the same, and prints only warnings. `options` names one model or none, and a run of the
-// bench; nothing to score. Sets session.code by the judgement.
+// Fits and stores as fit_models() does, but prints only warnings. `options` names at most one model, a run of the
+// bench, and nothing to score. Sets session.code by the judgement.
 JudgedFit fit_and_judge(const FitModelsOptions& options, Session& session);
 
 // model check: how well the model describes a later run.
@@ -54,11 +54,11 @@ struct Session;
 
 struct FittedRun {
   const analysis::SensorModel* model = nullptr;
-  std::vector<NamedEvaluation> evaluations;  // the first is the run's own
+  std::vector<NamedEvaluation> evaluations;  // the first is of the run itself
   analysis::Judgement judgement;             // empty without limits
 };
 
-// Lines without a line end. linearised_text(): for how many taxels the readout divider is inverted, and by which c.
+// Lines without a line end. linearised_text(): for how many taxels the readout divider is inverted, and with which c.
 // dynamics_text(): whether lag and creep are compensated. Empty where the model has neither.
 std::string linearised_text(const analysis::SensorModel& fit);
 std::string dynamics_text(const analysis::SensorModel& fit);

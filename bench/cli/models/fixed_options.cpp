@@ -10,22 +10,22 @@
 namespace tactbench::bench {
 
 void add_device_options(CLI::App& verb, analysis::FixedOptions& options) {
-  verb.add_option("--frame-rate", options.frame_rate_hz, "frames a second of the device; ELAM needs none")
+  verb.add_option("--frame-rate", options.frame_rate_hz, "frames per second of the device; not needed for ELAM")
       ->check(CLI::Range(5.0, 10000.0));
   verb.add_option("--per-count", options.per_count,
-                  "output, in volts as a rule, of one count of the device's 16-bit converter [the run's scanner's]")
+                  "output (normally volts) of one count of the device's 16-bit converter [that of the run's scanner]")
       ->check(CLI::PositiveNumber);
-  verb.add_option("--scans", options.scans, "averaged into a count on the device")
+  verb.add_option("--scans", options.scans, "scans averaged into a count on the device")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
-  verb.add_option("--noise", options.noise, "least standard deviation of a count, of the output [the model's]")
+  verb.add_option("--noise", options.noise, "least standard deviation of a count, in output units [that of the model]")
       ->check(CLI::PositiveNumber);
 }
 
 void add_fixed_options(CLI::App& verb, FixedWords& words) {
   verb.add_option("--as", words.as,
-                  "fixed: by the integers of a microcontroller (tactbench model export --format c), with the options "
-                  "that its model was exported with")
+                  "fixed: computes with the integers of a microcontroller (tactbench model export --format c); give "
+                  "the same options as for the export")
       ->check(CLI::IsMember({"double", "fixed"}))
       ->capture_default_str();
   add_device_options(verb, words.options);

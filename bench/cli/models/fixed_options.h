@@ -13,12 +13,12 @@ struct FixedWords {
   analysis::FixedOptions options;
 };
 
-// --frame-rate, --per-count, --noise and --scans, which must be those that a device's model was exported with.
+// --frame-rate, --per-count, --noise and --scans: the same values as in the export of the device's model.
 void add_device_options(CLI::App& verb, analysis::FixedOptions& options);
-// --as, and those.
+// --as, and the options of add_device_options().
 void add_fixed_options(CLI::App& verb, FixedWords& words);
 
-// `name`: MODEL of the command line; of a run of the store its scanner says what a count is, where no option does.
+// `name`: MODEL of the command line. Without --per-count the volts per count of a stored run's scanner are used.
 // Throws AnalysisError TB-MODEL-FIXED.
 analysis::FixedModel fixed_model(const std::string& name, const analysis::SensorModel& model,
                                  analysis::FixedOptions options, const Session& session);

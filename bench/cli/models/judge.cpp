@@ -28,7 +28,7 @@ struct JudgeOptions {
 };
 
 void judge(const JudgeOptions& options, Session& session) {
-  if (!options.limits.empty()) (void)read_limits(find_config(options.limits));  // before an hour of anything
+  if (!options.limits.empty()) (void)read_limits(find_config(options.limits));  // before hours of computation
   const analysis::Laboratory laboratory =
       options.lab.empty() ? analysis::Laboratory() : read_laboratory(find_config(options.lab));
   const ModelReference named = parse_model_reference(options.model, 0);
@@ -65,18 +65,19 @@ void judge(const JudgeOptions& options, Session& session) {
 
 void add_judge(CLI::App& app, Session& session) {
   auto options = std::make_shared<JudgeOptions>();
-  CLI::App* verb = app.add_subcommand("judge",
-                                      "how good a model is on further runs, by limits; stores the verdict\n"
-                                      "Of several runs the worst verdict counts. Without limits only errors are shown. "
-                                      "The run that a model comes from is no evidence.");
+  CLI::App* verb =
+      app.add_subcommand("judge",
+                         "judge a model on further runs by limits; stores the verdict\n"
+                         "With several runs the worst verdict counts. Without limits only errors are shown. "
+                         "The run from which a model was made is not evidence.");
   verb->add_option("model", options->model, "RUN whose model is judged, or RUN:FIT")->required();
-  verb->add_option("runs", options->runs, "runs of the same sensor that the model was not made from")
+  verb->add_option("runs", options->runs, "runs of the same sensor from which the model was not made")
       ->required()
       ->take_all();
-  session.profile.add(*verb, "--limits", ProfileKey::kLimits, options->limits, "limits file that judges");
+  session.profile.add(*verb, "--limits", ProfileKey::kLimits, options->limits, "limits file to judge by");
   session.profile.add(*verb, "--lab", ProfileKey::kLab, options->lab,
-                      "laboratory file: a reference that is overdue by its dates makes verdicts inconclusive");
-  verb->add_flag("!--try", options->store, "store nothing: only see what these limits would say");
+                      "laboratory file: if its dates show that the reference is overdue, verdicts are inconclusive");
+  verb->add_flag("!--try", options->store, "store nothing: only show the verdict by these limits");
   add_void_too(*verb, session);
   add_all(*verb, session);
   verb->callback([options, verb, &session] {

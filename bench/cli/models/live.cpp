@@ -102,21 +102,23 @@ void live(const LiveVerbOptions& options, const Session& session) {
 
 void add_live(CLI::App& app, Session& session) {
   auto options = std::make_shared<LiveVerbOptions>();
-  CLI::App* verb = app.add_subcommand("live", "the instruments' values; with --model compensated frames of the array");
+  CLI::App* verb =
+      app.add_subcommand("live", "show the instruments' values; with --model compensated frames of the array");
   verb->add_option("--model", options->model, "a .json that fit -o wrote, or RUN or RUN:FIT of the store");
   verb->add_option("--set", options->set, "override table.key=value of the bench file")->take_all();
-  verb->add_option("--frames", options->live.frames, "end after so many; 0: at Ctrl-C")
+  verb->add_option("--frames", options->live.frames, "end after so many frames; 0: at Ctrl-C")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   verb->add_option("--interval", options->interval_s,
                    "seconds between two readings [0.01 of frames, 0.5 of instruments]")
       ->check(CLI::Range(0.0, 60.0));
-  verb->add_option("--scans", options->live.scans, "averaged into a frame")
+  verb->add_option("--scans", options->live.scans, "scans averaged into a frame")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
-  verb->add_option("--csv", options->csv, "write every frame there: frame,time_s,taxel,pressure,uncertainty,status");
+  verb->add_option("--csv", options->csv,
+                   "write every frame to this file: frame,time_s,taxel,pressure,uncertainty,status");
   verb->add_option("--as", options->as,
-                   "fixed: by the integers of a microcontroller, at this pace, without uncertainty")
+                   "fixed: computes with the integers of a microcontroller, at this rate, without uncertainty")
       ->check(CLI::IsMember({"double", "fixed"}))
       ->capture_default_str();
   add_replace(*verb, session);

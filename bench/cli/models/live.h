@@ -16,7 +16,7 @@ struct TaxelFlags {
 
 struct FrameSummary {
   double mean_psi = 0.0, highest_psi = 0.0;  // of the taxels that are not dead
-  std::size_t highest = 0;                   // the first taxel of that pressure
+  std::size_t highest = 0;                   // the first taxel with the highest pressure
   TaxelFlags flags;
 };
 FrameSummary summed(const LiveFrame& frame);

@@ -35,7 +35,7 @@ std::string range_text(const std::optional<analysis::Range>& range, const std::s
   return range ? fmt::format("{:.4g} .. {:.4g} {}", factor * range->low, factor * range->high, unit) : "not known";
 }
 
-// What the streams leave, for the uncertainty; empty where it is not known.
+// The streams' residual, for the uncertainty; empty if it is not known.
 std::string residual_text(const SensorModel& model, const ShownInput& input) {
   std::vector<double> residuals;
   for (const ModelTaxel& taxel : model.taxels)
@@ -142,7 +142,7 @@ struct AdjustOptions {
 
 void adjust(const AdjustOptions& options, const Session& session) {
   if (!options.zero && !options.gain)
-    throw Error("TB-USAGE", "nothing to adjust is named", "model adjust", "add --zero, or --gain");
+    throw Error("TB-USAGE", "neither --zero nor --gain is given", "model adjust", "add --zero or --gain");
   check_output(options.output, kModelFile, session.replace);
   const SensorModel parent = load_model(options.model, session);
   const analysis::Histories by = read_source(options.by, options.table, session);
@@ -178,7 +178,7 @@ void check_model(const std::string& name, const FitModelsOptions& options, Sessi
   tty::print("{} of {} on {}: {}\n", analysis::label_of(model), model.source, histories.source, display_text(drift));
   for (const std::string& line : analysis::outside_validity(model, histories))
     tty::print("  outside the model's validity: {}\n", line);
-  tty::print("  mean residual of {}, % FS: as it is {:.3f}, re-zeroed {:.3f}, with gain {:.3f} (tolerance {:.3f})\n",
+  tty::print("  mean residual of {}, % FS: unchanged {:.3f}, re-zeroed {:.3f}, with gain {:.3f} (tolerance {:.3f})\n",
              analysis::counted(drift.taxels.size(), "taxel"), 100.0 * drift.as_is, 100.0 * drift.zeroed,
              100.0 * drift.adjusted, 100.0 * drift.tolerance);
   std::vector<analysis::TaxelDrift> worst = drift.taxels;
@@ -199,29 +199,29 @@ void add_model(CLI::App& app, Session& session) {
   model->require_subcommand(1);
   const char* what = "a .json that fit -o wrote, or RUN or RUN:FIT of the store";
   auto first = std::make_shared<std::string>(), second = std::make_shared<std::string>();
-  CLI::App* show_verb = model->add_subcommand("show", "what a model is, and its parameters");
+  CLI::App* show_verb = model->add_subcommand("show", "show a model and its parameters");
   show_verb->add_option("model", *first, what)->required();
   add_void_too(*show_verb, session);
   show_verb->callback([first, &session] { show(*first, session); });
   auto checked = std::make_shared<FitModelsOptions>();
-  CLI::App* check_verb =
-      model->add_subcommand("check", "is a model still good on a run or table? else says what is needed");
+  CLI::App* check_verb = model->add_subcommand(
+      "check", "check whether a model is still valid on a run or table, and what is needed if not");
   check_verb->add_option("model", *first, what)->required();
   check_verb->add_option("source", checked->source, "run number or table")->required();
   add_table_options(*check_verb, checked->table);
   add_void_too(*check_verb, session);
   check_verb->callback([first, checked, &session] { check_model(*first, *checked, session); });
   CLI::App* diff_verb =
-      model->add_subcommand("diff", "how the parameters of two models of one kind differ; exit code 1 when they do");
+      model->add_subcommand("diff", "compare the parameters of two models of one kind; exit code 1 if they differ");
   diff_verb->add_option("first", *first, what)->required();
   diff_verb->add_option("second", *second, what)->required();
   add_void_too(*diff_verb, session);
   diff_verb->callback([first, second, &session] { diff_models(*first, *second, session); });
   auto options = std::make_shared<AdjustOptions>();
   CLI::App* adjust_verb =
-      model->add_subcommand("adjust", "a child of a model, its zero (and gain) moved to what a short run shows");
+      model->add_subcommand("adjust", "make a copy of a model with its zero (and gain) adjusted to a short run");
   adjust_verb->add_option("model", options->model, what)->required();
-  adjust_verb->add_option("by", options->by, "run number or table to adjust by")->required();
+  adjust_verb->add_option("by", options->by, "run number or table to which to adjust")->required();
   adjust_verb->add_flag("--zero", options->zero, "adjust the zero of each taxel");
   adjust_verb->add_flag("--gain", options->gain, "adjust its gain, too");
   adjust_verb->add_option("-o,--output", options->output, "file to write")->required();
@@ -266,7 +266,7 @@ void diff_models(const std::string& first, const std::string& second, Session& s
     std::string name, unit;
     double sum = 0.0, worst = 0.0;
     int count = 0, worst_taxel = 0;
-    std::string other_unit;  // of the second model, where it is another
+    std::string other_unit;  // of the second model, if it differs
   };
   const ShownInput input = shown_input(a, session.unit()), other_input = shown_input(b, session.unit());
   std::vector<Line> lines;
@@ -296,7 +296,7 @@ void diff_models(const std::string& first, const std::string& second, Session& s
       add("creep_scale", "1", other->creep_scale - own.creep_scale, own.taxel);
       add("lag_share", "1", other->lag_share - own.lag_share, own.taxel);
     }
-    // One that a model does not have is 0 there: c, a weight.
+    // A parameter that a model does not have, c or a weight, counts as 0.
     const auto p = own.fit.model->parameters(), q = other->fit.model->parameters();
     for (const ModelParameter& mine : p) {
       const auto theirs = std::ranges::find(q, mine.name, &ModelParameter::name);
@@ -329,7 +329,7 @@ void diff_models(const std::string& first, const std::string& second, Session& s
     return;
   }
   tty::print("{} against {}: {}\n", second, first, same ? "the same, byte for byte" : "not the same");
-  if (only > 0) tty::print("{} fitted in the first alone\n", analysis::counted(only, "taxel is", "taxels are"));
+  if (only > 0) tty::print("{} fitted only in the first\n", analysis::counted(only, "taxel is", "taxels are"));
   analysis::doc::Table table{
       .columns = {{"parameter"}, {"mean difference", true}, {"largest", true}, {"taxel", true}, {"unit"}}};
   for (const Line& line : lines)

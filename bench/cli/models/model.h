@@ -15,13 +15,13 @@ struct ShownInput {
 };
 ShownInput shown_input(const analysis::SensorModel& model, analysis::PressureUnit unit);
 
-// "1/x" as "1/psi" where the model knows the units of its input x and its output y.
+// "1/x" becomes "1/psi" if the model has the units of its input x and its output y.
 std::string parameter_unit(const std::string& unit, const analysis::SensorModel& model, const ShownInput& input);
 // The factor by which a parameter with the unit "x", "1/x" or "y/x^3" is multiplied for display.
 double parameter_factor(const std::string& unit, const ShownInput& input);
 
 // Prints the differences of the parameters of two models (names as `model diff` takes them) and sets the exit code: 1
-// where they differ. Throws TB-MODEL-DIFF for models of two kinds.
+// if they differ. Throws TB-MODEL-DIFF for models of different kinds.
 void diff_models(const std::string& first, const std::string& second, Session& session);
 
 }  // namespace tactbench::bench

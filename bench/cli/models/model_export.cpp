@@ -68,7 +68,7 @@ void add_model_export(CLI::App& model, Session& session) {
       model.add_subcommand("export", "write a model as its JSON document, as C for a microcontroller, or as Verilog");
   verb->add_option("model", options->model, "a .json that fit -o wrote, or RUN or RUN:FIT of the store")->required();
   verb->add_option("-o,--output", options->output,
-                   "file to write; c, verilog: folder, by which the Arduino sketch is called")
+                   "file to write; c, verilog: folder, whose name is also that of the Arduino sketch")
       ->required();
   verb->add_option("--format", options->format,
                    "json; c: tables and header for a microcontroller, in integers, of a dynamic model or of ELAM; "
@@ -77,7 +77,7 @@ void add_model_export(CLI::App& model, Session& session) {
       ->capture_default_str();
   add_device_options(*verb, options->device);
   verb->add_option("--conditioned", options->device.conditioned_s,
-                   "c, dynamic: seconds for which the pressure goes over its range just before each start")
+                   "c, dynamic: seconds for which the pressure cycles over its range just before each start")
       ->check(CLI::Range(0.0, 1e9))
       ->capture_default_str();
   add_replace(*verb, session);

@@ -19,7 +19,7 @@ namespace doc = analysis::doc;
 
 namespace {
 
-// The mean taxel where there are several, else the last that has a model: the mean stands at the end.
+// The mean taxel, which is at the end, if there are several; else the last one with a model.
 const analysis::ModelTaxel& shown(const analysis::SensorModel& document) {
   return *std::find_if(document.taxels.rbegin(), document.taxels.rend(),
                        [](const analysis::ModelTaxel& taxel) { return taxel.fit.model != nullptr; });
@@ -40,7 +40,7 @@ std::string digits(double value) {
                                                      : 0);
 }
 
-// Models whose inverse errs more than a straight line does.
+// Models whose inverse has larger errors than a straight line.
 std::vector<std::string> worse_than_line(const std::vector<ModelRow>& rows, std::size_t target) {
   std::vector<std::string> labels;
   for (const ModelRow& row : rows)
@@ -190,7 +190,7 @@ doc::Document fits_document(const std::vector<ModelRow>& rows, bool all) {
     const std::string text = undetermined_text(row.document) + left_out_text(row.document);
     if (!text.empty()) out.add(doc::Paragraph{{text.substr(0, text.size() - 1)}});
     if (row.document.model == "gpi")
-      out.add(doc::Paragraph{{"gpi: found by a search, which may miss the least J; the others are exact"}});
+      out.add(doc::Paragraph{{"gpi: found by a search, which may miss the least J; the other fits are exact"}});
   }
   return out;
 }
@@ -231,7 +231,7 @@ doc::Document scores_document(const std::vector<ModelRow>& rows, const std::vect
     }
     out.add(std::move(table));
     if (const std::vector<std::string> worse = worse_than_line(rows, t); !worse.empty())
-      add(fmt::format("worse than a straight line on what was held out: {}", fmt::join(worse, "; ")));
+      add(fmt::format("worse than a straight line on the held-out data: {}", fmt::join(worse, "; ")));
     for (const std::string& line :
          analysis::outside_validity(rows.front().document, *targets[t].histories, targets[t].sequences, shown))
       add("outside the models' validity: " + line);

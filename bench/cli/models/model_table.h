@@ -1,4 +1,4 @@
-// Tables of models: the data that each was fitted to, and its errors on data that it was not fitted to.
+// Tables of models: the data to which each was fitted, and its errors on other data.
 #pragma once
 
 #include <functional>
@@ -12,7 +12,7 @@
 
 namespace tactbench::bench {
 
-// What models are scored on.
+// Data on which models are scored.
 struct ScoreTarget {
   std::string title;
   const analysis::Histories* histories = nullptr;
@@ -22,7 +22,7 @@ struct ScoreTarget {
 struct ModelRow {
   std::string label;
   analysis::SensorModel document;
-  analysis::ErrorSum crossed;                // of the shown taxel, by cross_validate(); no samples: not made
+  analysis::ErrorSum crossed;                // of the displayed taxel, by cross_validate(); no samples: not computed
   std::vector<analysis::ModelScore> scores;  // one per target
 };
 
@@ -43,14 +43,14 @@ std::vector<ModelRow> model_rows(const std::vector<std::string>& models, const a
 void cross_validate(std::vector<ModelRow>& rows, const analysis::Histories& histories,
                     const std::vector<std::string>& sequences);
 
-// The parameters that the data do not determine, with the number of taxels concerned (of an array without its mean), as
-// one line with a line end; empty where all are determined.
+// The parameters that the data do not determine, with the number of taxels concerned (the mean taxel of an array is not
+// counted), as one line with a line end; empty if all are determined.
 std::string undetermined_text(const analysis::SensorModel& document);
-// Taxels without a model that holds, with the reason, one line each; empty where all are fitted.
+// Taxels without a usable model, with the reason, one line each; empty if all are fitted.
 std::string left_out_text(const analysis::SensorModel& document);
 // True when the model of any taxel has too large an error, or a taxel has no model.
 bool any_unfit(const analysis::SensorModel& document);
-// `all`: also parameters, largest errors and the direct model's.
+// `all`: also the parameters, the largest errors and the errors of the direct model.
 analysis::doc::Document fits_document(const std::vector<ModelRow>& rows, bool all);
 analysis::doc::Document scores_document(const std::vector<ModelRow>& rows, const std::vector<ScoreTarget>& targets,
                                         const std::string& unit_of_input, analysis::PressureUnit shown, bool all);

@@ -1,4 +1,4 @@
-// predict and compensate: a stored model applied to a table, line by line, so that they stand in a pipe.
+// predict and compensate: apply a stored model to a table, line by line, so that they work in a pipe.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <unistd.h>
@@ -43,7 +43,7 @@ struct PredictOptions {
   std::shared_ptr<const analysis::FixedModel> fixed_model;  // no option: of `fixed`
 };
 
-// The one taxel of a model that the rows speak of when they name none.
+// The single taxel of a model, for rows that do not name one.
 int only_taxel(const analysis::SensorModel& model, const std::string& wanted) {
   if (wanted == "mean") return analysis::kMeanTaxel;
   if (!wanted.empty()) {
@@ -55,7 +55,7 @@ int only_taxel(const analysis::SensorModel& model, const std::string& wanted) {
                 "add --taxel N or --taxel mean");
   }
   if (model.taxels.size() == 1) return model.taxels.front().taxel;
-  throw Error("TB-MODEL-TAXEL", fmt::format("the model has {} taxels and the table names none", model.taxels.size()),
+  throw Error("TB-MODEL-TAXEL", fmt::format("the model has {} taxels, but the table names none", model.taxels.size()),
               "--taxel");
 }
 
@@ -66,7 +66,7 @@ const analysis::ModelTaxel& fitted(const analysis::SensorModel& model, int numbe
               "choose another taxel");
 }
 
-// One history: a taxel in a sequence. What is added to a row of the table, after its separator.
+// One history: a taxel in a sequence. Makes the text that is added to a row of the table.
 class Predictor {
  public:
   static constexpr std::array kColumns{"predicted"};
@@ -107,7 +107,7 @@ class Compensation {
       const std::size_t wraps = order_.wraps();
       if (const std::string wrong = order_.see(now_s); !wrong.empty()) throw Error("TB-TABLE-TIME", wrong, place);
       if (order_.wraps() > wraps && column == 0)
-        tty::print(stderr, "{}: the time begins again as a counter or clock does: undone\n", place);
+        tty::print(stderr, "{}: the time wraps as a counter or clock does: unwrapped\n", place);
       seconds = now_s - before_.value_or(now_s);
       before_ = now_s;
     }
@@ -126,7 +126,7 @@ class Compensation {
   }
 
  private:
-  // Of a sample that is none.
+  // For an invalid sample.
   static std::string nothing(const char* flag, char separator) {
     return fmt::format("nan{0}nan{0}{1}", separator, flag);
   }
@@ -146,7 +146,7 @@ class Compensation {
   std::unique_ptr<analysis::Compensator> stream_;
 };
 
-// The same by the integers of a device.
+// The same with the integers of a device.
 class FixedCompensation {
  public:
   static constexpr std::array kColumns{"compensated", "pressure_count", "flags"};
@@ -191,7 +191,7 @@ class FixedCompensation {
   analysis::FixedTaxel stream_;
 };
 
-// What is added to a row, in the table's own way of writing decimals.
+// The text added to a row, with the table's decimal separator.
 std::string written(std::string added, const analysis::TableReader& reader) {
   if (!reader.decimal_comma() || reader.separator() == ',') return added;
   std::ranges::replace(added, '.', ',');
@@ -210,7 +210,7 @@ void apply(PredictOptions options, const Session& session, analysis::TableNeeds 
   tty::print(stderr, "{}{}", undetermined_text(model), any_unfit(model) ? left_out_text(model) : "");
   std::ifstream file;
   if (options.file != "-") {
-    const char* remedy = "check its name and rights; - is standard input";
+    const char* remedy = "check its name and permissions; - is standard input";
     const bool has_text = analysis::check_file(options.file, true, "TB-TABLE-OPEN", remedy);
     if (has_text) file.open(options.file);
     if (!file) throw Error("TB-TABLE-OPEN", "the table cannot be read", options.file, remedy);
@@ -218,21 +218,23 @@ void apply(PredictOptions options, const Session& session, analysis::TableNeeds 
   std::istream& in = options.file == "-" ? std::cin : file;
   analysis::TableReader reader(in, options.file == "-" ? "standard input" : options.file, layout_of(options.table),
                                needs);
-  const bool wide = reader.outputs() > 1;  // one column a taxel
+  const bool wide = reader.outputs() > 1;  // one column per taxel
   const std::span<const analysis::ModelTaxel> array = model.array();
   if (wide && (array.size() != reader.outputs() || !options.taxel.empty()))
     throw Error("TB-TABLE-MAP",
-                fmt::format("{} columns of outputs, and {} to compensate", reader.outputs(),
+                fmt::format("{} output columns, but {} to compensate", reader.outputs(),
                             options.taxel.empty() ? analysis::counted(array.size(), "taxel") : "one taxel"),
-                "--map", "name a column for each of the model's taxels, in their order; or one, and its --taxel");
+                "--map",
+                "name one column for each of the model's taxels, in their order; or one column and its --taxel");
   const bool in_time = model.dynamics && analysis::in_time(*model.dynamics);
   if (in_time && !kFixed && needs == analysis::TableNeeds::kOutput && !reader.has_seconds())
-    throw Error("TB-TABLE-COLUMN", "the model undoes lag and creep, and the table has no column of times", options.file,
+    throw Error("TB-TABLE-COLUMN", "the model compensates lag and creep, but the table has no column of times",
+                options.file,
                 "add a column time_s in seconds or name it (--map time=COL), or use a model without them");
   if (in_time && needs == analysis::TableNeeds::kInput)
     tty::print(stderr,
-               "the outputs predicted are the model's static ones, without lag and creep: those of creep at its very "
-               "end, somewhat above what a held pressure reaches\n");
+               "the predicted outputs are static, without lag and creep: the values at the end of all creep, somewhat "
+               "above the output that a held pressure reaches\n");
   const int only = reader.has_taxel() || wide ? 0 : only_taxel(model, options.taxel);
   std::map<std::pair<std::string, int>, Applied, std::less<>> histories;
   const std::string separator(1, reader.separator());
@@ -250,7 +252,7 @@ void apply(PredictOptions options, const Session& session, analysis::TableNeeds 
     const std::string& sent = ::isatty(STDOUT_FILENO) != 0 ? text = terminal_safe(text) : text;
     if (std::fwrite(sent.data(), 1, sent.size(), stdout) != sent.size() || std::fflush(stdout) != 0)
       throw Error("TB-FILE-WRITE", "the table cannot be written", "standard output",
-                  "check space and permissions of the file, or who reads the pipe");
+                  "check space and permissions of the file, or the program that reads the pipe");
     text.clear();
   };
   const std::optional<analysis::Range>& range = model.validity.input;
@@ -289,7 +291,7 @@ void apply(PredictOptions options, const Session& session, analysis::TableNeeds 
     if (options.output.empty()) flush();
   }
   if (none > 0 && none == rows)
-    throw Error("TB-TABLE-SKIPPED", fmt::format("no row holds what is to be compensated; the first: {}", first_bad),
+    throw Error("TB-TABLE-SKIPPED", fmt::format("no row has the values to be compensated; the first: {}", first_bad),
                 options.file, "check separators, decimal commas and the assignment of columns (--map)");
   if (options.output.empty())
     flush();
@@ -298,13 +300,13 @@ void apply(PredictOptions options, const Session& session, analysis::TableNeeds 
   for (const std::string& line : reader.assumed())
     tty::print(stderr, "{}: {}\n", options.file == "-" ? "standard input" : options.file, line);
   if (bad > 0)
-    tty::print(stderr, "warning: no output in {} of {}, which have nan and the flag bad; the first: {}\n", bad,
+    tty::print(stderr, "warning: no output in {} of {}; these have nan and the flag bad; the first: {}\n", bad,
                analysis::counted(rows, "row"), first_bad);
   if (2 * beyond > rows * taxels)
-    tty::print(stderr, "warning: {} of {} outputs lie beyond what the model can read: are they in {}?\n", beyond,
-               rows * taxels, model.output_unit.empty() ? "the unit that it was fitted in" : model.output_unit);
+    tty::print(stderr, "warning: {} of {} outputs are beyond the model's range: are they in {}?\n", beyond,
+               rows * taxels, model.output_unit.empty() ? "the unit of the fit" : model.output_unit);
   if (outside > 0)
-    tty::print(stderr, "{} of {} inputs lie outside the model's validity, {}\n", outside, rows,
+    tty::print(stderr, "{} of {} inputs are outside the model's validity, {}\n", outside, rows,
                model.input_unit == "psi"
                    ? session.unit().short_span(range->low, range->high)
                    : fmt::format("{:.4g} to {:.4g} {}", range->low, range->high, model.input_unit));
@@ -318,7 +320,7 @@ CLI::App* add_verb(CLI::App& app, Session& session, const std::shared_ptr<Predic
   verb->add_option("-o,--output", options->output, "file to write (default: standard output)");
   add_replace(*verb, session);
   add_layout_options(*verb, options->table);
-  verb->add_option("--taxel", options->taxel, "of a model of many, where the table has no column taxel: N, or mean")
+  verb->add_option("--taxel", options->taxel, "taxel of a model of many, if the table has no column taxel: N, or mean")
       ->check(CLI::NonNegativeNumber | CLI::IsMember({"mean"}));
   add_void_too(*verb, session);
   return verb;
@@ -328,11 +330,12 @@ CLI::App* add_verb(CLI::App& app, Session& session, const std::shared_ptr<Predic
 
 void add_predict(CLI::App& app, Session& session) {
   auto predict = std::make_shared<PredictOptions>(), compensate = std::make_shared<PredictOptions>();
-  add_verb(app, session, predict, "predict", "a model's outputs along the inputs of a table: a column predicted")
+  add_verb(app, session, predict, "predict",
+           "compute a model's outputs for the inputs of a table: adds a column predicted")
       ->callback([predict, &session] { apply<Predictor>(*predict, session, analysis::TableNeeds::kInput); });
   CLI::App* verb = add_verb(
       app, session, compensate, "compensate",
-      "pressures (inputs) from the outputs of a table, by a model's inverse\n"
+      "compute pressures (inputs) from the outputs of a table, by a model's inverse\n"
       "Adds columns compensated, uncertainty (standard; nan where it is not known: the model has no noise, or the "
       "output "
       "lies far outside the loop) and flags (flat; range: an output that the taxel cannot give, the input is the "
@@ -343,13 +346,13 @@ void add_predict(CLI::App& app, Session& session) {
       "taxel "
       "without a model say why. A model that undoes lag and creep needs a column time_s, in seconds.");
   verb->add_option("--conditioned", compensate->conditioned_s,
-                   "dynamic: seconds for which the pressure went over its range just before the first row")
+                   "dynamic: seconds for which the pressure cycled over its range just before the first row")
       ->check(CLI::Range(0.0, 1e9))
       ->capture_default_str();
   add_fixed_options(*verb, compensate->fixed);
   verb->add_flag("--counts", compensate->counts, "--as fixed: the outputs are counts of the device's converter");
   verb->add_flag("--tared", compensate->tared,
-                 "--as fixed: the first row is the unloaded sensor, by which the device was tared");
+                 "--as fixed: the first row is the unloaded sensor, with which the device was tared");
   verb->callback([compensate, &session] {
     if (compensate->fixed.as == "fixed")
       apply<FixedCompensation>(*compensate, session, analysis::TableNeeds::kOutput);

@@ -39,7 +39,7 @@ void list_scenarios(const Suite& suite, const Session& session) {
   print_json("nightly.list", {{"suite", suite.name}, {"scenarios", json}});
 }
 
-// With all of its scenarios, or those named; what stands above the first stays.
+// With all of its scenarios, or the named ones; the text above the first one is kept.
 void copy_suite(const Suite& suite, const NightlyOptions& options, const Session& session) {
   const Suite chosen = selected(suite, {options.selection.only, std::nullopt, 1});
   constexpr std::string_view kBegin = "\n[[scenario]]\n";
@@ -56,19 +56,19 @@ void copy_suite(const Suite& suite, const NightlyOptions& options, const Session
   write_own_copy({"nightly", "a suite", suite.name, text, options.copy}, session);
 }
 
-// The store of one part of a night holds that part alone: parts are put together by what their stores say.
+// The store of one part of a night must hold only that part, because parts are merged by the contents of their stores.
 void check_store_of_part(const NightlyOptions& options, const Session& session) {
   if (!options.keeps)
-    throw Error("TB-USAGE", "one part of a night is kept in a store, and none is named", "--shard",
-                "add --db FILE, one for each part; tactbench runs merge puts them together");
+    throw Error("TB-USAGE", "one part of a night must be kept in a store, but none is named", "--shard",
+                "add --db FILE, one for each part; tactbench runs merge combines them");
   if (!options.files.html.empty())
-    throw Error("TB-USAGE", "a page is of a whole night, and this is one part of it", "--html",
+    throw Error("TB-USAGE", "a page needs a whole night, but this is one part of it", "--html",
                 "leave it out; tactbench runs merge --html writes the page of the whole night");
   if (db::RunStore::open(session.db, db::Durability::kNormal).runs().empty()) return;
-  throw Error("TB-SHARD-STORE", "this store holds runs, and one part of a night needs a store of its own", session.db);
+  throw Error("TB-SHARD-STORE", "this store holds runs, but one part of a night needs an empty store", session.db);
 }
 
-// In a terminal one line that is written over, elsewhere a line a scenario, for the log of a night.
+// In a terminal one line that is overwritten, otherwise one line per scenario, for the log of a night.
 std::vector<ScenarioResult> carry_out_showing(const Suite& suite, const NightOptions& night,
                                               const std::function<void(const std::vector<ScenarioResult>&)>& on_result,
                                               const Session& session) {
@@ -125,7 +125,7 @@ void nightly(const NightlyOptions& options, Session& session) {
                  this_build(),
                  {}},
                 whole, results, in_stores_of(night.stores), store);
-    // One part is compared when all are there.
+    // Parts are compared only when all are merged.
     if (shard.is_whole()) followed = compare_night(suite, results, store);
     write_night_lists(options.files, suite, results, session);
   }
@@ -140,30 +140,31 @@ void nightly(const NightlyOptions& options, Session& session) {
 
 void add_nightly_options(CLI::App& verb, NightlyOptions& options, Session& session) {
   verb.add_option("suite", options.suite, "suite file; nightly is the shipped one")->required();
-  verb.add_option("--jobs", options.jobs, "scenarios at once")->check(CLI::Range(1, 64))->capture_default_str();
+  verb.add_option("--jobs", options.jobs, "number of scenarios in parallel")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
   add_night_files(verb, options.files);
   add_replace(verb, session);
   verb.add_option(
       "--stores", options.stores,
       "folder for each scenario's store (NAME.db) and output (NAME.log); those of an earlier night are replaced");
-  verb.add_flag("--list", options.list, "name the scenarios and end");
+  verb.add_flag("--list", options.list, "list the scenarios and end");
   verb.add_option("--copy", options.copy,
-                  "begin a suite of your own as a copy of this one, or of the scenarios of --only: NAME, or NAME.toml")
+                  "copy this suite, or the scenarios of --only, as your own: NAME, or NAME.toml")
       ->type_name("NAME");
-  verb.add_option("--only", options.selection.only, "these scenarios alone: --only A --only B")
-      ->allow_extra_args(false);
+  verb.add_option("--only", options.selection.only, "only these scenarios: --only A --only B")->allow_extra_args(false);
   verb.add_option("--seed", options.selection.seed, "seed of noise and faults, instead of the scenarios' own");
   verb.add_option("--seeds", options.selection.seeds,
                   "carry out each scenario this many times, with its seed and the following ones")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  verb.add_option("--limit", options.limit_s, "seconds of real time a scenario may take")
+  verb.add_option("--limit", options.limit_s, "limit of real time per scenario, in seconds")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   verb.add_flag("--stop-on-red", options.stop_on_red, "start no scenario after the first red one");
   verb.add_option("--shard", options.shard,
                   "K/N: part K of N of the night, for several machines; needs --db FILE, one for each part; runs merge "
-                  "puts the parts together and compares")
+                  "combines the parts and compares")
       ->type_name("K/N");
   verb.add_option("--result", options.result)->group("");
   verb.footer("--db FILE, as typed, keeps the night in that store and compares it with the baselines.");
@@ -171,8 +172,8 @@ void add_nightly_options(CLI::App& verb, NightlyOptions& options, Session& sessi
 
 void add_nightly(CLI::App& app, Session& session) {
   auto options = std::make_shared<NightlyOptions>();
-  CLI::App* verb =
-      app.add_subcommand("nightly", "a suite of scenarios on simulated rigs, compared with what is expected");
+  CLI::App* verb = app.add_subcommand(
+      "nightly", "run a suite of scenarios on simulated rigs and compare the results with the expected ones");
   add_nightly_options(*verb, *options, session);
   verb->callback([options, &session] {
     options->keeps = session.typed("--db");
@@ -201,7 +202,7 @@ void show_result(const ScenarioResult& result) {
 void add_night_files(CLI::App& verb, NightFiles& files) {
   verb.add_option("--junit", files.junit, "write JUnit XML, updated after each scenario");
   verb.add_option("--metrics", files.metrics, "write metrics in Prometheus's text format");
-  verb.add_option("--html", files.html, "write a page: changes and figures over the nights");
+  verb.add_option("--html", files.html, "write a page of changes and figures over the nights");
 }
 
 void write_night_lists(const NightFiles& files, const Suite& suite, const std::vector<ScenarioResult>& results,

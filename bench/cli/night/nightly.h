@@ -1,4 +1,4 @@
-// Results of a nightly run, of one machine or merged from several: files, printed output, exit code.
+// Results of a nightly run, from one machine or merged from several: files, printed output, exit code.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -20,10 +20,10 @@ void write_night_lists(const NightFiles& files, const Suite& suite, const std::v
                        const Session& session);  // JUnit and metrics
 void write_night_page(const NightFiles& files, const Suite& suite, const NightPage& night, const Session& session);
 
-// 1: a scenario is red or was not carried out, 6: one has moved.
+// 1: a scenario is red or was not carried out; 6: a figure has moved.
 ExitCode code_of_night(const Suite& suite, const std::vector<ScenarioResult>& results);
 nlohmann::ordered_json night_json(const Suite& suite, const std::vector<ScenarioResult>& results);
-// Sentences of results in `unit`; names of figures have the unit that they are stored in.
+// Sentences show pressures in `unit`; names of figures show the unit in which they are stored.
 void print_night(const Suite& suite, const std::vector<ScenarioResult>& results);
 
 // The options of `nightly`.

@@ -79,9 +79,10 @@ void selfcheck(const std::string& output, Session& session) {
 
 void add_selfcheck(CLI::App& app, Session& session) {
   auto output = std::make_shared<std::string>();
-  CLI::App* verb =
-      app.add_subcommand("selfcheck", "known answers recomputed: a validation record of this program here");
-  verb->add_option("-o,--output", *output, "also write the record here: JSON if it ends in .json, text otherwise");
+  CLI::App* verb = app.add_subcommand(
+      "selfcheck", "recompute problems with known answers: a validation record of this program on this machine");
+  verb->add_option("-o,--output", *output,
+                   "also write the record to this file: JSON if its name ends in .json, text otherwise");
   add_replace(*verb, session);
   verb->footer("Exit codes: 0 all checks pass, 1 one failed.");
   verb->callback([output, &session] { selfcheck(*output, session); });

@@ -54,8 +54,8 @@ class Stopwatch {
   std::vector<std::pair<std::string, double>> laps_;
 };
 
-// The six runs: what the models are made from, and five that they never saw, of which two go another way than that: one
-// long, by which errors are shown, and short histories of several kinds, on which U of a reading is counted.
+// The six runs: one from which the models are made, and five others. Two of them have other trajectories: a long one,
+// which shows the errors, and short histories of several kinds, from which U of a reading is computed.
 struct DemoRun {
   std::string title;
   std::vector<const char*> recipes;
@@ -85,7 +85,7 @@ const std::vector<DemoRun>& demo_runs() {
 
 constexpr std::size_t kReversals = 2, kDrifted = 4;  // of these, random reversals and the month later
 
-// What the whole demo changes of the shipped bench.
+// Settings of the shipped bench that the demo changes.
 std::vector<std::string> settings(const DemoOptions& options) {
   if (options.specimen == "paper") return {};  // as shipped
   return {"simulation.specimen=" + options.specimen};
@@ -118,12 +118,12 @@ std::int64_t carry_out(const DemoRun& demo, const DemoOptions& options, const db
   return result.run;
 }
 
-// The run of a month later is expected to fail; the demo explains it. Empty where it passes.
+// The run of a month later is expected to fail; the demo explains it. Empty if it passes.
 std::string on_purpose(const analysis::Judgement& judgement, std::int64_t drifted) {
   const std::vector<std::int64_t>& deciding = judgement.decided_by;
   if (judgement.overall != analysis::Verdict::kFail || std::ranges::find(deciding, drifted) == deciding.end())
     return {};
-  return fmt::format("run {} fails on purpose: the same sensor a month later and 5 °C warmer, by the models of run 1",
+  return fmt::format("run {} is meant to fail: the same sensor a month later and 5 °C warmer, with the models of run 1",
                      drifted);
 }
 
@@ -252,19 +252,18 @@ void add_demo(CLI::App& app, Session& session) {
   verb->footer(
       "Exit code 0 when it completed, whatever the verdict on the simulated sensor; Ctrl-C once ends it (130).");
   verb->add_option("--seed", options->seed, "noise")->capture_default_str();
-  verb->add_option("--sensor-seed", options->sensor_seed, "makes the array")->capture_default_str();
+  verb->add_option("--sensor-seed", options->sensor_seed, "seed of the simulated array")->capture_default_str();
   verb->add_option("--specimen", options->specimen, "the paper's simulated sensor, a harsh one, or a foam")
       ->type_name("TEXT:{paper,harsh,foam}")
       ->capture_default_str();
   verb->add_option("--model", options->model, "kind of model; elam is the paper's")
       ->check(CLI::IsMember({analysis::kDynamicModel, analysis::kElamFit}))
       ->capture_default_str();
-  verb->add_option("-o,--output", options->output, "report file (default: reports/run-N.html beside the store)");
+  verb->add_option("-o,--output", options->output, "report file (default: reports/run-N.html next to the store)");
   add_replace(*verb, session);
-  verb->add_flag(
-      "--page", options->page,
-      "start `tactbench page` beside it, to watch: the address is printed; with --rate 150 it takes a minute");
-  verb->add_option("--rate", options->rate, "process seconds in a real second, at most (default: as many as it can)")
+  verb->add_flag("--page", options->page,
+                 "also start `tactbench page`, to watch: its address is printed; with --rate 150 it takes a minute");
+  verb->add_option("--rate", options->rate, "limit of process seconds per real second (default: none)")
       ->check(CLI::Range(1.0, 1e6));
   verb->add_flag("--timing", options->timing, "print the time of each stage");
   add_all(*verb, session);

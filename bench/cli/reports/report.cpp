@@ -39,8 +39,8 @@ namespace tactbench::bench {
 
 namespace {
 
-// The models named: of a run its standing fit, if that is of the whole array; none where it has none: then the report
-// says what it does not show.
+// The models named: for a run its current fit, if that is of the whole array; else none, and the report says what it
+// does not show.
 analysis::SensorModel models_for(analysis::Runs& runs, const ModelReference& named) {
   const db::RunStore& store = runs.store();
   const std::int64_t model_run = named.run;
@@ -56,8 +56,8 @@ analysis::SensorModel models_for(analysis::Runs& runs, const ModelReference& nam
   return fit.fitted().empty() ? analysis::SensorModel{} : fit;
 }
 
-// By their places, "held-out run B": the same runs have other numbers in another store, and a report's content names
-// none.
+// By position, "held-out run B", because the same runs have other numbers in another store and a report's content has
+// no run numbers.
 std::vector<std::string> titles_of(const std::vector<std::int64_t>& held_out) {
   std::vector<std::string> titles;
   for (std::size_t i = 0; i < held_out.size(); ++i) {
@@ -95,7 +95,7 @@ analysis::ReportInput input_for(analysis::Runs& runs, const ReportOptions& optio
   check_independent_of_dynamics(runs.store(), fit, options.held_out);
   if (fit.taxels.empty())
     tty::print(stderr,
-               "note: run {} has no models: the report shows the measurements, nothing corrected; `tactbench fit {}` "
+               "note: run {} has no models: the report shows the measurements without correction; `tactbench fit {}` "
                "makes models\n",
                model_run, model_run);
   const StoredVerdicts stored = stored_verdicts(runs, fit, session.void_too);
@@ -120,7 +120,7 @@ analysis::ReportInput input_for(analysis::Runs& runs, const ReportOptions& optio
   if (const auto worst = std::ranges::max_element(
           input.held_out, {}, [](const analysis::HeldOut& own) { return own.evaluation.mean_error_psi; });
       options.batch && worst != input.held_out.end())
-    input.evaluation = worst->evaluation;  // sensors are ranked by what they were judged on
+    input.evaluation = worst->evaluation;  // sensors are ranked by the runs on which they were judged
   if (several) input.held_out.clear();     // each run's own report has their figures
   input.issued = options.issued;
   input.unit = session.page_unit();
@@ -151,7 +151,7 @@ WrittenReport several_runs(analysis::Runs& runs, const ReportOptions& options, c
   const db::RunStore& store = runs.store();
   std::vector<analysis::ReportInput> inputs;
   for (const std::int64_t run : options.runs) {
-    // Of many runs the samples of one row at a time are in memory.
+    // For many runs, only the samples of one row at a time are in memory.
     std::optional<analysis::Runs> of_row;
     begin_stage(report_stage_of(run));
     inputs.push_back(input_for(options.batch ? of_row.emplace(store) : runs, options, run, session));
@@ -177,7 +177,7 @@ std::string as_found_text(const analysis::AsFound& found, bool by_store, analysi
                      found.judgement.overall ? fmt::format(", {}", to_string(*found.judgement.overall)) : "");
 }
 
-// The runs that the report rests on, its own first.
+// The runs on which the report is based, its own first.
 std::vector<db::ReportRecord::Evidence> evidence_of(analysis::Runs& runs, const analysis::ReportInput& input,
                                                     const std::vector<std::string>& studies) {
   std::vector<std::int64_t> numbers = {input.run.run};
@@ -193,7 +193,7 @@ std::vector<db::ReportRecord::Evidence> evidence_of(analysis::Runs& runs, const 
   return evidence;
 }
 
-// Of a PDF it is attached; why it is not is said to who has named a laboratory file.
+// Attached to a PDF; if a laboratory file was named, a note says why it is not attached.
 std::string dcc_wanted(const analysis::ReportInput& input, const analysis::Report& report,
                        const ReportOptions& options) {
   if (options.format != "dcc" && options.format != "pdf") return {};
@@ -215,7 +215,7 @@ WrittenReport one_run(db::RunStore& store, analysis::Runs& runs, const ReportOpt
   out.dcc = dcc_wanted(input, out.report, options);
   const bool signing = !options.signed_by.empty();
   check_reason(input.approvals, out.report.number, options.reason, signing);
-  // A signed report has a file of its own, named by its number.
+  // A signed report has a separate file, named by its number.
   const std::string numbered = "run-" + out.report.number;
   place(out, store, options, input.run,
         signing || analysis::is_signed(input, out.report.number) ? numbered : fmt::format("run-{}", input.run.run),
@@ -268,7 +268,7 @@ std::string kind_written(const ReportOptions& options, bool table) {
                                                                        : "report");
 }
 
-// Who has the PDF has the data. The digital certificate goes with it where the laboratory file states what it needs.
+// The PDF contains the data, and the digital certificate if the laboratory file states what it requires.
 std::vector<PdfAttachment> attachments_of(const WrittenReport& written) {
   std::vector<PdfAttachment> all = {
       {"report.json", "application/json", "all data of the report", written.report.json + "\n"}};
@@ -295,7 +295,7 @@ WrittenReport write_reports(ReportOptions options, Session& session) {
   const std::shared_ptr<const SigningKey> key = options.signer.named() ? read_signing_key(options.signer) : nullptr;
   if (std::error_code unknown; key && std::filesystem::exists(options.output, unknown) &&
                                !std::filesystem::is_regular_file(options.output, unknown))
-    throw Error("TB-USAGE", "a signature stands beside a file, and this is none", options.output,
+    throw Error("TB-USAGE", "a signature is written next to a file, but the output is not a file", options.output,
                 "name a file with -o");
   if (!options.output.empty()) check_output(options.output, kind_written(options, table), session.replace);
   check_report_runs(runs, options, session);
@@ -356,7 +356,7 @@ void report_runs(ReportOptions options, Session& session) {
   }
   if (!written.as_found.empty() && !session.quiet) tty::print("{}\n", written.as_found);
   tty::print("report {}: {}{}\n", written.report.number, path,
-             written.written ? "" : " (signed: the file stays as it is)");
+             written.written ? "" : " (signed: the file is unchanged)");
   if (!written.signature.empty()) tty::print("signature {}\n", one_line(written.signature));
 }
 
@@ -366,7 +366,7 @@ void add_report(CLI::App& app, Session& session) {
   auto options = std::make_shared<ReportOptions>();
   CLI::App* verb = app.add_subcommand("report",
                                       "a run's calibration report; list, sign or verify reports\n"
-                                      "A test report where the run states no uncertainty; also a comparison of two "
+                                      "It is a test report if the run states no uncertainty. Also a comparison of two "
                                       "runs, or a page on many. One file.");
   add_report_options(*verb, *options, session);
   add_all(*verb, session);
@@ -381,13 +381,13 @@ void add_report(CLI::App& app, Session& session) {
   add_report_options(*sign, *signed_one, session);
   add_sign_options(*sign, *signed_one);
   sign->footer(
-      "With files of signed reports in place of a run: writes their signatures alone, by --key and --certificate or "
+      "With files of signed reports instead of a run: writes only their signatures, with --key and --certificate or "
       "--pkcs12.");
   sign->callback([signed_one, &session] {
     const auto is_file = [](const std::string& word) { return std::filesystem::is_regular_file(word); };
     if (signed_one->signed_by.empty() && !signed_one->named.empty() && std::ranges::all_of(signed_one->named, is_file))
       return sign_files(signed_one->named, signed_one->signer, session);
-    if (signed_one->signed_by.empty()) throw Error("TB-USAGE", "nobody is named who signs", "report sign", "--by NAME");
+    if (signed_one->signed_by.empty()) throw Error("TB-USAGE", "no signer is named", "report sign", "--by NAME");
     report_runs(*signed_one, session);
   });
   add_subverbs(*verb, session);
@@ -416,7 +416,7 @@ void choose_runs(ReportOptions& options, const db::RunStore& store, bool void_to
   for (const std::string& word : options.named) {
     const std::vector<RunRange> own = run_ranges(word);
     if (own.empty())
-      throw Error("TB-USAGE", fmt::format("'{}' is no run", word), "report", "a number; with --batch also 1-99");
+      throw Error("TB-USAGE", fmt::format("'{}' is not a run", word), "report", "a number; with --batch also 1-99");
     ranges.insert(ranges.end(), own.begin(), own.end());
   }
   const bool single = std::ranges::all_of(ranges, [](const RunRange& range) { return range.first == range.last; });
@@ -426,7 +426,7 @@ void choose_runs(ReportOptions& options, const db::RunStore& store, bool void_to
   }
   if (!options.batch)
     throw Error("TB-USAGE",
-                ranges.empty() && !by_metadata ? "no run is named" : "one run has one report, and many are named",
+                ranges.empty() && !by_metadata ? "no run is named" : "a report is about one run, but several are named",
                 "report", "one run: tactbench report 3; a page on many: --batch with --lot, --order or 1-99");
   for (const db::RunRecord& run : store.runs()) {
     const auto holds = [&](const RunRange& range) { return range.holds(run.run); };
@@ -436,7 +436,7 @@ void choose_runs(ReportOptions& options, const db::RunStore& store, bool void_to
       options.runs.push_back(run.run);
   }
   if (options.runs.empty())
-    throw Error("TB-USAGE", "none of the runs asked for has models", "report --batch",
+    throw Error("TB-USAGE", "none of the requested runs has models", "report --batch",
                 "tactbench runs list --lot LOT shows them; tactbench fit RUN makes models");
 }
 
@@ -447,14 +447,15 @@ void check_report_options(const ReportOptions& options) {
   if (options.runs.empty()) refuse("no run is named", "e.g. tactbench report 3; tactbench runs list shows all");
   if (options.compare && options.batch) refuse("--compare and --batch cannot be combined", "give one of them");
   if (options.compare && options.runs.size() != 2)
-    refuse(fmt::format("--compare takes two runs, not {}", options.runs.size()), "tactbench report --compare 1 2");
+    refuse(fmt::format("--compare needs two runs, not {}", options.runs.size()), "tactbench report --compare 1 2");
   const bool several = options.compare || options.batch;
   if (several && (!options.held_out.empty() || !options.extras.previous.empty() || !options.extras.studies.empty() ||
                   !options.annexes.empty()))
     refuse("--held-out, --previous, --studies and --annex belong to the report of one run",
            "report each run by itself, then compare");
   if (several && options.format == "dcc")
-    refuse("a digital calibration certificate is of one run", "write another --format, or report each run by itself");
+    refuse("a digital calibration certificate is about one run",
+           "write another --format, or report each run by itself");
   if (!options.issued.empty() && !analysis::is_date(options.issued))
     refuse(fmt::format("'{}' is not a date", options.issued), "write it as 2026-01-31");
 }
@@ -481,7 +482,7 @@ void check_models_of_array(analysis::Runs& runs, const analysis::SensorModel& fi
                 "make one: tactbench fit RUN");
   };
   if (runs.record(named.run).origin == "imported") refuse("it came from an imported table");
-  if (fit.fitted().empty()) refuse("it has a model of no single taxel of the array");
+  if (fit.fitted().empty()) refuse("it has no model of a single taxel of the array");
 }
 
 void check_report_runs(analysis::Runs& runs, const ReportOptions& options, const Session& session) {
@@ -492,13 +493,13 @@ void check_report_runs(analysis::Runs& runs, const ReportOptions& options, const
   for (const std::int64_t own : options.runs)
     if (runs.record(own).origin == "imported" && !alone)
       throw Error(
-          "TB-USAGE", fmt::format("run {} came from a table, which no other run goes with", own), "report",
-          fmt::format("its report has loop, models and errors alone, and is not signed: tactbench report {}", own));
+          "TB-USAGE", fmt::format("run {} came from a table and cannot be combined with other runs", own), "report",
+          fmt::format("its report has only loop, models and errors, and is not signed: tactbench report {}", own));
   if (runs.record(run).origin == "imported") {
     if (options.format == "dcc")
       throw Error("TB-REPORT-DCC",
                   "a digital calibration certificate needs U of a reading, which a table does not give",
-                  fmt::format("report {} --format dcc", run), "take another --format");
+                  fmt::format("report {} --format dcc", run), "choose another --format");
     return;
   }
   if (options.compare || options.batch) {
@@ -513,8 +514,8 @@ void check_report_runs(analysis::Runs& runs, const ReportOptions& options, const
   std::vector<std::int64_t> independent = options.held_out;
   (void)named_runs(runs, independent, {"--held-out", model_run}, session.void_too);
   if (std::ranges::find(independent, run) != independent.end())
-    throw Error("TB-RUN-TWICE", fmt::format("run {} is the report's own", run), "--held-out",
-                "name only further runs: this one is included in any case");
+    throw Error("TB-RUN-TWICE", fmt::format("run {} is the run of the report", run), "--held-out",
+                "name only further runs: this one is always included");
   if (!options.extras.previous.empty() && options.extras.previous != kNoPrevious)
     check_model_named(runs, options.extras.previous, "--previous", session);
   std::vector<std::int64_t> studied;
@@ -529,15 +530,15 @@ void add_report_options(CLI::App& verb, ReportOptions& options, Session& session
                   "many, e.g. 1-99")
       ->take_all();
   verb.add_option("--held-out", options.held_out,
-                  "runs of the same sensor to correct with the models and to judge, each by itself: the worst "
-                  "verdict counts (default: those that the models were judged on)")
+                  "runs of the same sensor to correct with the models and to judge separately: the worst verdict "
+                  "counts (default: those on which the models were judged)")
       ->take_all();
   verb.add_option("--limits", options.limits,
-                  "judge by this limits file, without storing (default: the limits that the models were judged by)");
+                  "judge by this limits file, without storing (default: the limits by which the models were judged)");
   session.profile.add(verb, "--lab", ProfileKey::kLab, options.lab,
-                      "laboratory file: facts that no instrument knows (init writes one)");
+                      "laboratory file: facts that no instrument can supply (init writes one)");
   verb.add_option("--format", options.format,
-                  "html; pdf with the data attached (needs chromium or weasyprint); json: the data alone; dcc: a "
+                  "html; pdf with the data attached (needs chromium or weasyprint); json: only the data; dcc: a "
                   "digital calibration "
                   "certificate (XML)")
       ->check(CLI::IsMember({"html", "pdf", "json", "dcc"}))
@@ -548,13 +549,12 @@ void add_report_options(CLI::App& verb, ReportOptions& options, Session& session
   annexes.emplace_back("all");
   verb.add_option(
           "--annex", options.annexes,
-          "what the six pages leave out: maps of every level, taxels, models, parameters, events, hashes, or all")
+          "annexes beyond the six pages: maps of every level, taxels, models, parameters, events, hashes, or all")
       ->delimiter(',')
       ->check(CLI::IsMember(std::move(annexes)));
-  verb.add_option(
-          "--previous", options.extras.previous,
-          "earlier models by which the report says how the sensor was found: a .json file, RUN or RUN:FIT, or none "
-          "(default: those that the store has of the sensor's runs before)")
+  verb.add_option("--previous", options.extras.previous,
+                  "earlier models with which the report judges the sensor as found: a .json file, RUN or RUN:FIT, or "
+                  "none (default: those of the sensor's earlier runs in the store)")
       ->group(kRareOptions);
   verb.add_option("--studies", options.extras.studies,
                   "further runs of the sensor: under objects, at several rates, held (recognised by their recipes), "
@@ -562,29 +562,30 @@ void add_report_options(CLI::App& verb, ReportOptions& options, Session& session
                   "chamber (RUN:90, RUN:180, RUN:270); held levels and temperature enter the uncertainty")
       ->take_all()
       ->group(kRareOptions);
-  verb.add_option("--model", options.model,
-                  "use the models of this run, or RUN:FIT (default: the run's own: its newest dynamic model or ELAM)")
+  verb.add_option(
+          "--model", options.model,
+          "use the models of this run, or RUN:FIT (default: the newest dynamic model or ELAM of the run itself)")
       ->group(kRareOptions);
   verb.add_option("--paper", options.paper, "a4 or letter")
       ->check(CLI::IsMember({"a4", "letter"}))
       ->capture_default_str()
       ->group(kRareOptions);
-  verb.add_option("--pdf-with", options.pdf_with, "the program that prints it: chromium or weasyprint")
+  verb.add_option("--pdf-with", options.pdf_with, "program that makes the PDF: chromium or weasyprint")
       ->check(CLI::IsMember({"chromium", "weasyprint"}))
       ->group(kRareOptions);
   add_replace(verb, session);
   add_void_too(verb, session);
-  verb.footer("Pressures on the page are in kPa with psi, in the terminal in psi, or as --units says.");
+  verb.footer("Pressures on the page are in kPa with psi, in the terminal in psi, or in the unit of --units.");
 }
 
 void add_sign_options(CLI::App& verb, ReportOptions& options) {
   const auto filled = [](const std::string& text) { return std::string(db::is_blank(text) ? "it is empty" : ""); };
-  verb.add_option("--by", options.signed_by, "who signs; the signed report is not overwritten")->check(filled);
+  verb.add_option("--by", options.signed_by, "name of the signer; the signed report is not overwritten")->check(filled);
   verb.add_option("--key", options.signer.key,
-                  "private key (PEM): writes FILE.p7s beside the file, a signature that openssl checks");
+                  "private key (PEM): writes FILE.p7s next to the file, a signature that openssl can check");
   verb.add_option("--certificate", options.signer.certificate, "its certificate (PEM), then those of its issuers");
-  verb.add_option("--pkcs12", options.signer.pkcs12, "key and certificate in one file, in place of both");
-  verb.add_option("--password-file", options.signer.password, "file whose first line opens the key");
+  verb.add_option("--pkcs12", options.signer.pkcs12, "key and certificate in one file (PKCS#12), instead of both");
+  verb.add_option("--password-file", options.signer.password, "file with the key's password in its first line");
   verb.add_option("--reason", options.reason,
                   "what changed since the signed report that this one replaces, and why; printed on page 1, and needed "
                   "to sign it")

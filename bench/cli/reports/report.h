@@ -19,10 +19,10 @@ namespace tactbench::bench {
 inline constexpr const char* kNoPrevious = "none";  // of --previous
 
 struct ReportOptions {
-  std::vector<std::string> named;  // runs as typed; choose_runs() makes `runs` of them and of `metadata`
+  std::vector<std::string> named;  // runs as typed; choose_runs() derives `runs` from them and from `metadata`
   MetadataOptions metadata;
   std::vector<std::int64_t> runs, held_out;
-  std::string model;  // RUN or RUN:FIT; empty: the run's own
+  std::string model;  // RUN or RUN:FIT; empty: the models of the run itself
   std::string format = "html", limits, lab, output, signed_by, reason, issued, paper = "a4", pdf_with;
   std::vector<std::string> annexes;  // of analysis::kAnnexes, or "all"
   bool compare = false, batch = false, without_verdict = false;
@@ -30,29 +30,30 @@ struct ReportOptions {
   SignerFiles signer;  // of report sign
 };
 
-// Those of a report, and further those of signing one. `options` outlives the parsing.
+// The options of `report`, and those of signing one. `options` must outlive the parsing.
 void add_report_options(CLI::App& verb, ReportOptions& options, Session& session);
 void add_sign_options(CLI::App& verb, ReportOptions& options);
 
-// The run and fit (0: the standing one, of its dynamic model and ELAM the newer) whose models are used; {`run`, 0}
-// where none is named.
+// The run and the fit whose models are used. fit 0: the newest that was not replaced, dynamic or ELAM. {`run`, 0} if
+// none is named.
 struct ModelReference {
   std::int64_t run = 0, fit = 0;
 };
 // Throws TB-USAGE.
 ModelReference parse_model_reference(const std::string& text, std::int64_t run);
 
-// The runs named; with --batch also of ranges and of a lot or order those that have models and count. Throws TB-USAGE.
+// The named runs; with --batch also the runs of ranges, of a lot or of an order that have models and are not void.
+// Throws TB-USAGE.
 void choose_runs(ReportOptions& options, const db::RunStore& store, bool void_too);
 
-// Options that go together. Throws TB-USAGE.
+// Checks that the options go together. Throws TB-USAGE.
 void check_report_options(const ReportOptions& options);
 
-// Runs that lag and creep of the models were taken from are no independent data for them. Throws TB-RUN-OWN.
+// Throws TB-RUN-OWN for a run from which lag or creep of the models was fitted: it is not independent data for them.
 void check_independent_of_dynamics(const db::RunStore& store, const analysis::SensorModel& fit,
                                    const std::vector<std::int64_t>& held_out);
 
-// Models named by RUN:FIT are of a run that the bench made and of single taxels. Throws TB-USAGE.
+// Checks that models named by RUN:FIT come from a run of the bench and have single taxels. Throws TB-USAGE.
 void check_models_of_array(analysis::Runs& runs, const analysis::SensorModel& fit, const ModelReference& named);
 
 // Checks that all runs on the command line exist and may be used (evidence.h). The report's own run may be void.
@@ -61,24 +62,24 @@ void check_report_runs(analysis::Runs& runs, const ReportOptions& options, const
 // The stages of `report` for its progress line.
 
 inline constexpr const char* kWritingReport = "writing";  // the last stage
-std::string report_stage_of(std::int64_t run);            // of a comparison or a batch
-// Of one run: its figures, then "models" and "uncertainty" (bench/reporting/evaluation.cpp).
+std::string report_stage_of(std::int64_t run);            // for a comparison or a batch
+// For one run: its figures, then "models" and "uncertainty" (bench/reporting/evaluation.cpp).
 std::vector<WorkStage> report_stages(const ReportOptions& options);
 
 // Writes the reports of `report`, also for other verbs that write a report.
 
 struct WrittenReport {
   analysis::Report report;
-  std::string dcc;                                  // where that format was asked for
-  std::vector<analysis::Judgement> judgements;      // of one run, or of each run on the page
-  std::string origin, started_utc, path, run_uuid;  // run_uuid: of the first
-  analysis::doc::Document summary;                  // of a table, which has no judgement
-  std::string as_found;                             // a line on the run by earlier models; empty: there are none
-  std::string signature;                            // FILE.p7s; empty: no key was named
-  bool written = true;                              // false: the file held this report already, signed
+  std::string dcc;                                  // if that format was requested
+  std::vector<analysis::Judgement> judgements;      // for each run on the page
+  std::string origin, started_utc, path, run_uuid;  // run_uuid: of the first run
+  analysis::doc::Document summary;                  // for a table, which has no judgement
+  std::string as_found;   // a line about the run judged by earlier models; empty: there are none
+  std::string signature;  // FILE.p7s; empty: no key was named
+  bool written = true;    // false: the file already held this report, signed
 };
 
-// Writes the page of these options and sets session.code by its verdict; prints only notes and warnings. Throws Error,
+// Writes the page for these options and sets session.code by its verdict; prints only notes and warnings. Throws Error,
 // sequences::FileError, db::StoreError, analysis::AnalysisError.
 WrittenReport write_reports(ReportOptions options, Session& session);
 

@@ -52,12 +52,12 @@ void check_reason(const std::vector<db::ReportRecord>& before, const std::string
   if (own && signing) return;  // the store refuses it
   if (!reason.empty() && (own || before.empty()))
     throw Error("TB-REPORT-REASON",
-                own ? fmt::format("report {} is signed already and keeps the reason that it was signed with", number)
+                own ? fmt::format("report {} is already signed; its reason cannot be changed", number)
                     : fmt::format("report {} replaces none: no report of this run is signed", number),
                 "report --reason", "leave --reason out");
   if (signing && !before.empty() && reason.empty())
     throw Error("TB-REPORT-REASON",
-                fmt::format("report {} would replace the signed report {}, and no reason is stated", number,
+                fmt::format("report {} would replace the signed report {}, but no reason is stated", number,
                             before.back().number),
                 "report sign", "state what changed and why: --reason TEXT");
 }
@@ -68,7 +68,7 @@ void sign_files(const std::vector<std::string>& files, const SignerFiles& signer
   std::vector<std::string> numbers;
   for (const std::string& file : files)
     if (numbers.emplace_back(signed_report_in(file, store)).empty())
-      throw Error("TB-REPORT-KEY", fmt::format("it is no report that was signed in {}", session.db), file,
+      throw Error("TB-REPORT-KEY", fmt::format("it is not a report that was signed in {}", session.db), file,
                   "sign the report first: tactbench report sign RUN --by NAME");
   auto json = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < files.size(); ++i) {
@@ -119,8 +119,8 @@ struct Finding {
 Finding inspect_report(const KnownReport& known, const std::string& path) {
   Finding out;
   out.file = path;
-  out.sha256 = db::sha256_hex(
-      analysis::read_whole_file(path, {.max_bytes = kLargestReport}, "TB-TABLE-OPEN", "check its name and rights"));
+  out.sha256 = db::sha256_hex(analysis::read_whole_file(path, {.max_bytes = kLargestReport}, "TB-TABLE-OPEN",
+                                                        "check its name and permissions"));
   const std::string& notes = known.run.notes;
   if (const std::size_t at = notes.find(report_file_note(known.report.number, out.sha256)); at != std::string::npos) {
     const std::size_t begin = at == 0 ? 0 : notes.rfind('\n', at) + 1;  // npos + 1 is 0
@@ -132,7 +132,7 @@ Finding inspect_report(const KnownReport& known, const std::string& path) {
     out.code = ExitCode::kInconclusive;
   } else {
     out.state = "changed";
-    out.words = "CHANGED: it is none of the files that were written of this report";
+    out.words = "CHANGED: it is not one of the files written for this report";
     out.code = ExitCode::kCriterionFailed;
   }
   return out;
@@ -184,12 +184,12 @@ void tell(const std::string& number, const std::optional<KnownReport>& known, co
     return print_json("report.verify", json);
   }
   if (known)
-    tty::print("report {}: of run {}, sensor {}{}; signed by {}, {}\n", number, known->run.run,
+    tty::print("report {}: run {}, sensor {}{}; signed by {}, {}\n", number, known->run.run,
                one_line(known->run.sensor_serial), known->run.origin == "simulated" ? " (simulated)" : "",
                one_line(known->report.approved_by), known->report.approved_utc);
   for (const Finding& one : findings) tell_file(one);
   if (known && evidence.fallen.empty() && evidence.missing.empty())
-    tty::print("evidence  holds: none of the {} that it rests on is void or changed\n",
+    tty::print("evidence  valid: none of the {} on which it is based is void or changed\n",
                analysis::counted(known->report.evidence.size(), "run"));
   for (const std::string& line : evidence.fallen) tty::print("evidence  FALLEN: {}\n", one_line(line, kMaxTextLength));
   for (const std::string& line : evidence.missing)
@@ -211,7 +211,7 @@ void record_signed_file(const std::string& path, const std::string& number, std:
   const std::vector<db::ReportRecord> signed_ones = store.reports(run);
   if (std::ranges::find(signed_ones, number, &db::ReportRecord::number) == signed_ones.end()) return;
   const std::string bytes =
-      analysis::read_whole_file(path, {.max_bytes = kLargestReport}, "TB-TABLE-OPEN", "check its name and rights");
+      analysis::read_whole_file(path, {.max_bytes = kLargestReport}, "TB-TABLE-OPEN", "check its name and permissions");
   const std::string line = report_file_note(number, db::sha256_hex(bytes));
   if (store.run(run).notes.find(line) != std::string::npos) return;
   try {
@@ -224,10 +224,9 @@ void record_signed_file(const std::string& path, const std::string& number, std:
 void verify_report(const std::string& named, const std::string& root, Session& session) {
   const bool is_file = std::filesystem::is_regular_file(named);
   if (is_file && !root.empty() && !std::filesystem::exists(session.db)) {  // a customer has none
-    const Finding alone{
-        named,           "",
-        "unknown",       fmt::format("there is no store {}: its signature alone is looked at", session.db),
-        ExitCode::kPass, check_signature_of(named, root)};
+    const Finding alone{named,           "",
+                        "unknown",       fmt::format("there is no store {}: only its signature is checked", session.db),
+                        ExitCode::kPass, check_signature_of(named, root)};
     return tell("", std::nullopt, {alone}, {}, session);
   }
   const db::RunStore store = db::RunStore::open_read_only(session.db);
@@ -239,12 +238,11 @@ void verify_report(const std::string& named, const std::string& root, Session& s
   std::vector<Finding> findings;
   if (!known && is_file && number.empty()) {
     findings.push_back({named, "", "not signed",
-                        "no signed report: of others the store keeps nothing; `tactbench report RUN` makes them anew",
+                        "not a signed report: the store keeps no others; `tactbench report RUN` makes them again",
                         ExitCode::kInconclusive});
   } else if (!known) {
     findings.push_back({is_file ? named : "", "", "unknown",
-                        fmt::format("report {} is none that was signed in {}", number, session.db),
-                        ExitCode::kCriterionFailed});
+                        fmt::format("report {} was not signed in {}", number, session.db), ExitCode::kCriterionFailed});
   } else if (is_file) {
     findings.push_back(inspect_report(*known, named));
   } else {
@@ -253,8 +251,7 @@ void verify_report(const std::string& named, const std::string& root, Session& s
           std::filesystem::is_regular_file(path))
         findings.push_back(inspect_report(*known, path));
     if (findings.empty())
-      findings.push_back(
-          {"", "", "no file", "its file does not lie beside the store: name it", ExitCode::kInconclusive});
+      findings.push_back({"", "", "no file", "its file is not next to the store: name it", ExitCode::kInconclusive});
   }
   for (Finding& one : findings)
     if (!one.file.empty() && (!root.empty() || std::filesystem::exists(one.file + ".p7s")))
@@ -262,7 +259,7 @@ void verify_report(const std::string& named, const std::string& root, Session& s
   tell(number, known, findings, known ? check_evidence(store, known->report) : ReportEvidence(), session);
 }
 
-// report list, report verify: the reports that somebody signed.
+// report list, report verify: the signed reports.
 
 namespace {
 
@@ -303,7 +300,7 @@ void list(std::int64_t only, const Session& session) {
         out.add(
             analysis::doc::Paragraph{{fmt::format("{}: {}: {}", report.number, what, one_line(text, kMaxTextLength))}});
       };
-      for (const std::string& why : void_runs) remark("its evidence fell", why);
+      for (const std::string& why : void_runs) remark("its evidence is no longer valid", why);
       if (!report.reason.empty()) remark("reason", report.reason);
     }
   }
@@ -317,18 +314,19 @@ void list(std::int64_t only, const Session& session) {
 
 void add_reports_list(CLI::App& report, Session& session) {
   auto run = std::make_shared<std::int64_t>(0);
-  CLI::App* verb = report.add_subcommand("list", "the signed reports: number, date, who signed, which it replaces");
-  verb->add_option("run", *run, "of this run alone")->check(CLI::PositiveNumber);
+  CLI::App* verb = report.add_subcommand("list", "list the signed reports: number, date, signer, replaced report");
+  verb->add_option("run", *run, "only of this run")->check(CLI::PositiveNumber);
   verb->callback([run, &session] { list(*run, session); });
   auto named = std::make_shared<std::string>();
-  CLI::App* verify =
-      report.add_subcommand("verify", "is a report signed, its file unchanged, and its evidence still good?");
+  CLI::App* verify = report.add_subcommand(
+      "verify", "check whether a report is signed, its file unchanged and its evidence still valid");
   verify->add_option("report", *named, "number of the report, or a file")->required();
   auto root = std::make_shared<std::string>();
-  verify->add_option("--root", *root, "certificates (PEM) that the signature FILE.p7s has to lead to");
+  verify->add_option("--root", *root, "root certificates (PEM) to which the signature FILE.p7s must lead");
   verify->footer(
-      "Exit codes: 0 signed and unchanged; 1 changed, not signed in this store, or its evidence fell (a run that it "
-      "rests on is void or was changed); 6 it is not known. Of a signature FILE.p7s: 0 good; 1 tampered, appended, "
+      "Exit codes: 0 signed and unchanged; 1 changed, not signed in this store, or its evidence is no longer valid (a "
+      "run on which it is based is void or was changed); 6 not known. For a signature FILE.p7s: 0 good; 1 tampered, "
+      "appended, "
       "wrong "
       "file, damaged, other root, invalid when signed; 6 missing, expired since, or no --root.");
   verify->callback([named, root, &session] { verify_report(*named, *root, session); });

@@ -12,19 +12,19 @@
 
 namespace tactbench::bench {
 
-// To be called before `by` signs the report of run `run`: without a verdict asks on a terminal, and without a terminal
-// requires `without_verdict` (TB-REPORT-NO-VERDICT); a verdict other than pass is reported on standard error.
+// To be called before `by` signs the report of run `run`. If there is no verdict, asks on a terminal; without a
+// terminal requires `without_verdict` (TB-REPORT-NO-VERDICT). A verdict other than pass is reported on standard error.
 void check_signature(const analysis::Judgement& judgement, std::int64_t run, const std::string& origin,
                      bool without_verdict, const Session& session);
 
-// `before`: signed reports of the run, oldest first; `number`: the one to be written, `signing` whether to be signed.
-// Throws TB-REPORT-REASON where it would be signed in place of another without a `reason`, and where there is a reason
-// and nothing to replace.
+// `before`: signed reports of the run, oldest first; `number`: the report to be written; `signing`: whether it is to be
+// signed. Throws TB-REPORT-REASON if it would replace a signed report without a `reason`, or if there is a reason but
+// nothing to replace.
 void check_reason(const std::vector<db::ReportRecord>& before, const std::string& number, const std::string& reason,
                   bool signing);
 
-// Writes FILE.p7s beside files of reports that are signed in the store, and tells so. Throws TB-REPORT-KEY, also for a
-// file of any other kind.
+// Writes FILE.p7s next to files of reports that are signed in the store, and prints that. Throws TB-REPORT-KEY, also
+// for any other file.
 void sign_files(const std::vector<std::string>& files, const SignerFiles& signer, const Session& session);
 
 // `report verify`: checks whether a file is a signed report and unchanged since it was signed.
@@ -32,15 +32,15 @@ void sign_files(const std::vector<std::string>& files, const SignerFiles& signer
 // The line in a run's notes that records the hash of a file of a signed report, without its date.
 std::string report_file_note(const std::string& number, const std::string& sha256);
 
-// Records the hash of a written file where report `number` is signed; a path that is not a regular file is skipped. A
+// Records the hash of a written file if report `number` is signed; a path that is not a regular file is skipped. A
 // store that cannot be written is a warning.
 void record_signed_file(const std::string& path, const std::string& number, std::int64_t run, const Session& session);
 
 // `named`: a file, or the number of a signed report, whose files next to the store are checked. Sets session.code: pass
-// where a file is unchanged and its run counts, criterion failed where something was changed or the run is void,
-// inconclusive where that cannot be determined. Throws Error TB-USAGE for what is neither, StoreError. With `root`
-// (certificates in PEM), or where a file has a signature (FILE.p7s), also what became of that (signature.h); then a
-// file goes without a store, too.
+// if a file is unchanged and its run is not void, criterion failed if something was changed or the run is void,
+// inconclusive if that cannot be determined. Throws Error TB-USAGE if it is neither, StoreError. With `root`
+// (certificates in PEM), or if a file has a signature (FILE.p7s), also checks the signature (signature.h); a file can
+// then be checked without a store.
 void verify_report(const std::string& named, const std::string& root, Session& session);
 
 }  // namespace tactbench::bench

@@ -156,7 +156,7 @@ std::vector<GaugePoint> measure(Rig& rig, const CalibrationOptions& options, con
                    unit.text(most, 1));
     }
     points.push_back(point);
-    // A reference that does not rise is told of now, and not after the last reading.
+    // A reference that does not rise is reported now, not after the last reading.
     if (points.size() > 1) calibrate_reference(points, options.uncertainty_psi, options.resolution_psi);
   }
   return points;
@@ -165,7 +165,7 @@ std::vector<GaugePoint> measure(Rig& rig, const CalibrationOptions& options, con
 void calibrate(const CalibrationOptions& options, const Session& session) {
   BenchConfig config = read_bench(find_config(options.bench), split_overrides(options.set).bench);
   if (!config.reference_independent) {
-    throw Error("TB-USAGE", "this bench has no reference of its own to calibrate", options.bench,
+    throw Error("TB-USAGE", "this bench has no independent reference to calibrate", options.bench,
                 "set [reference] independent = true and describe the transducer or gauge");
   }
   if (options.levels.size() < 2) {
@@ -241,7 +241,7 @@ void calibrate(const CalibrationOptions& options, const Session& session) {
 void add_calibrate_reference(CLI::App& devices, Session& session) {
   auto options = std::make_shared<CalibrationOptions>();
   CLI::App* verb =
-      devices.add_subcommand("calibrate-reference", "correct the reference by a hand gauge's readings, level by level");
+      devices.add_subcommand("calibrate-reference", "calibrate the reference against a hand gauge, level by level");
   verb->add_option("--gauge", options->gauge, "the hand gauge: model, serial, certificate; recorded")->required();
   verb->add_option("--uncertainty", options->uncertainty_psi, "the gauge's expanded uncertainty, k = 2, at most 10 psi")
       ->required()
@@ -258,7 +258,7 @@ void add_calibrate_reference(CLI::App& devices, Session& session) {
   verb->add_option("-o,--output", options->output, "file to write; default reference-SERIAL.toml");
   verb->footer(
       "Pressures of options: a number in psi, or with its unit (20kPa, 0.2bar). The gauge's readings: in the unit of "
-      "--units, which the question names, or with their own.");
+      "--units, which the question names, or with a unit.");
   add_replace(*verb, session);
   verb->callback([options, &session] {
     options->bench = session.bench_file();

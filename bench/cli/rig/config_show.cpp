@@ -21,7 +21,7 @@ struct ConfigOptions {
   bool origin = false;
 };
 
-// What verbs take where nothing is typed, as settings "profile.KEY".
+// Defaults of the verbs' options, as settings "profile.KEY".
 std::vector<sequences::Setting> profile_settings(const OperatorProfile& profile) {
   std::vector<sequences::Setting> settings;
   for (const auto& [key, given] : profile) {
@@ -69,11 +69,11 @@ void show(const ConfigOptions& options, Session& session) {
 
 void add_config(CLI::App& app, Session& session) {
   auto options = std::make_shared<ConfigOptions>();
-  CLI::App* verb = app.add_subcommand("config", "every value of a bench file in force, defaults included");
+  CLI::App* verb = app.add_subcommand("config", "show every value of a bench file, including defaults");
   verb->add_option("--set", options->set, "override table.key=value")->take_all();
   verb->add_flag("--origin", options->origin,
                  "show the source of each value: file and line, variable of the environment, --set, default");
-  verb->footer("Also what tactbench.toml and the environment give.");
+  verb->footer("Also shows the values of tactbench.toml and the environment.");
   verb->callback([options, &session] { show(*options, session); });
 }
 

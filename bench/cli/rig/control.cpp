@@ -1,5 +1,5 @@
-// pause, resume, stop, abort, panic: commands to a live run on this machine; `resume` opens a run again whose process
-// has ended.
+// pause, resume, stop, abort, panic: commands to a live run on this machine; `resume` reopens a run whose process has
+// ended.
 #include "bench/cli/rig/control.h"
 
 #include <fmt/format.h>
@@ -125,7 +125,8 @@ void add_control(CLI::App& app, Session& session) {
     CLI::App* verb = app.add_subcommand(to_string(command), what);
     add_named_run(*verb, *options);
     if (command == Command::kStop)
-      verb->add_flag("--abort", options->abort, "something seems wrong: the run's outcome is aborted, not stopped");
+      verb->add_flag("--abort", options->abort,
+                     "end a run because something seems wrong: its outcome is aborted, not stopped");
     if (command == Command::kResume) {
       verb->add_option("--on-event", options->on_event,
                        "shell command for the events done, failed, waiting (see run --help)");
@@ -139,14 +140,14 @@ void add_control(CLI::App& app, Session& session) {
   };
   add(Command::kPause, "pause at the end of the branch: vented, retracted (as Ctrl-C once)");
   add(Command::kResume,
-      "continue a paused run, or open an ended one again\n"
-      "Of an interrupted or ended run the sensor is conditioned and the interrupted branch repeated from its turning "
-      "point; the incomplete one is kept as void. --bench: another bench file than the stored one.");
+      "continue a paused run, or reopen an ended one\n"
+      "For an interrupted or ended run the sensor is conditioned and the interrupted branch is repeated from its "
+      "turning point; the incomplete one is kept as void. --bench: another bench file than the stored one.");
   add(Command::kStop, "end a run now: vents, retracts, proves the safe state (as Ctrl-C twice)");
   add(Command::kPanic,
-      "vent and halt at once, past the sequencer; latches a trip\n"
-      "It goes over the dead-man's own connection; outcome aborted. Not an emergency stop: that is a switch that takes "
-      "air and power away.");
+      "vent and halt immediately, without the sequencer; latches a trip\n"
+      "It uses the dead-man's own connection; the outcome is aborted. Not an emergency stop: that is a switch that "
+      "cuts off air and power.");
 }
 
 namespace {
@@ -157,7 +158,8 @@ std::string run_text(const LiveRun& live) {
                      to_string(live.status.state), live.status.step, live.status.steps);
 }
 
-// In words; root asks all users, so for root one that told no lie did not answer at all.
+// Whether it did not answer. Root queries all users' processes, so for root a process without a false claim did not
+// answer.
 bool unheard(const SilentBench& silent) { return silent.stranger && (silent.lied || ::geteuid() != 0); }
 
 }  // namespace
@@ -220,19 +222,19 @@ std::string listed(const std::vector<LiveRun>& runs, const std::vector<SilentBen
   if (unheard(first)) {
     refuse_command(
         "TB-RUN-DENIED",
-        fmt::format("{}: neither root, nor your own user, nor of the group '{}'{}", listed({}, silent), kGroupName,
-                    first.lied ? ", nor at work on a run of the store that it names" : ""),
+        fmt::format("{}: it does not belong to root, your own user or a member of the group '{}'{}", listed({}, silent),
+                    kGroupName, first.lied ? ", and does not carry out a run of the store that it names" : ""),
         shown_name(first.name),
-        first.lied ? fmt::format("nothing was commanded by it: look at the rig; `kill {}` ends that process",
-                                 first.server->process)
-                   : fmt::format("ask that user, or give the command as root; members of the group '{}' may command "
-                                 "each other's runs",
-                                 kGroupName));
+        first.lied
+            ? fmt::format("nothing was sent to it: check the rig; `kill {}` ends that process", first.server->process)
+            : fmt::format("contact that user, or give the command as root; members of the group '{}' may command each "
+                          "other's runs",
+                          kGroupName));
   }
   const std::string process = first.server ? std::to_string(first.server->process) : "PID";
   refuse_command(
       "TB-RUN-SILENT", listed({}, silent), shown_name(first.name),
-      fmt::format("check the rig: the process is stopped, or opens its devices. `kill -CONT {0}` continues a "
+      fmt::format("check the rig: the process is stopped, or is opening its devices. `kill -CONT {0}` continues a "
                   "stopped process, `kill -KILL {0}` ends it, and its dead-man vents",
                   process));
 }
@@ -394,17 +396,16 @@ void watch_live(const LiveRunSelector& named, Session& session) {
 void add_status(CLI::App& app, Session& session) {
   auto named = std::make_shared<LiveRunSelector>();
   auto follow = std::make_shared<bool>(false);
-  CLI::App* verb = app.add_subcommand("status", "what live runs do; when none is live, how the last one ended");
+  CLI::App* verb = app.add_subcommand("status", "show what live runs do or, if none is live, how the last one ended");
   add_named_run(*verb, *named);
-  verb->add_flag(
-      "--watch", *follow,
-      "follow it until it ends, with the array's last frame as a heat map; plain lines where standard output "
-      "is no terminal. Ctrl-C ends the watching, not the run. The exit code is that of the run");
-  verb->footer("Reads only. NO_COLOR=1 draws the heat map in characters.");
+  verb->add_flag("--watch", *follow,
+                 "follow it until it ends, with the array's last frame as a heat map; plain lines if standard output "
+                 "is not a terminal. Ctrl-C ends the watching, not the run. The exit code is that of the run");
+  verb->footer("Read-only. NO_COLOR=1 draws the heat map in characters.");
   verb->callback([named, follow, &session] {
     use_typed_options(*named, session);
     if (*follow && session.json)
-      throw Error("TB-USAGE", "what --watch draws is no JSON", "--json", "leave --watch or --json out");
+      throw Error("TB-USAGE", "--watch draws, which is not possible as JSON", "--json", "leave --watch or --json out");
     *follow ? watch_live(*named, session) : show_status(*named, session);
   });
 }

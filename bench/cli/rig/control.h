@@ -1,4 +1,4 @@
-// Selects the live run that RUN, --db and --bench on the command line refer to; shared by the verbs that command or
+// Selects the live run to which RUN, --db and --bench on the command line refer; shared by the verbs that command or
 // watch a run.
 #pragma once
 
@@ -25,11 +25,11 @@ struct LiveRunSelector {
 
 // The live runs of this machine that match the selection.
 struct Candidates {
-  std::vector<LiveRun> runs, others;  // runs that answer: meant; not meant
-  std::vector<SilentBench> silent;    // benches that do not answer and could be meant
+  std::vector<LiveRun> runs, others;  // runs that answer: selected; not selected
+  std::vector<SilentBench> silent;    // benches that do not answer and could be selected
 };
 
-// Asks all of them; waits at most 2 s.
+// Queries all live runs; waits at most 2 s.
 Candidates candidates(const LiveRunSelector& named, const Session& session);
 // The single matching run, for `verb`. `urgent`: also when other benches that could match do not answer. Throws Error
 // TB-RUN-AMBIGUOUS, TB-RUN-NOT-LIVE, TB-RUN-SILENT, TB-RUN-DENIED.
@@ -40,7 +40,7 @@ LiveRun require_single_run(const Candidates& found, const LiveRunSelector& named
                                  const std::string& remedy);
 
 bool same_store(const std::string& one, const std::string& other);
-std::string bench_id_of(const std::string& bench);  // of a bench file's name, or the id itself. Throws FileError
+std::string bench_id_of(const std::string& bench);  // `bench`: a bench file, or the id itself. Throws FileError
 std::string silent_text(const SilentBench& silent);
 std::string listed(const std::vector<LiveRun>& runs, const std::vector<SilentBench>& silent = {});
 

@@ -8,7 +8,7 @@ namespace tactbench::bench {
 
 void add_dead_man(CLI::App& app, Session& session) {
   auto socket = std::make_shared<int>(-1);
-  CLI::App* verb = app.add_subcommand("dead-man", "serves a sequencer that started it; not for people");
+  CLI::App* verb = app.add_subcommand("dead-man", "internal: started by the sequencer, not by users");
   verb->group("");
   verb->add_option("--socket", *socket)->required();
   verb->callback([socket, &session] { session.code = static_cast<ExitCode>(serve_dead_man(*socket)); });

@@ -115,7 +115,8 @@ void add_devices(CLI::App& app, Session& session) {
                            "that is overdue for calibration.");
   check_verb->callback([options, &session] { check(*options, session); });
   CLI::App* reset_verb = verb->add_subcommand("reset", "show a trip that refuses runs, and remove it");
-  reset_verb->add_option("--operator", options->operator_name, "who has inspected the rig; logged")->required();
+  reset_verb->add_option("--operator", options->operator_name, "name of the person who has inspected the rig; logged")
+      ->required();
   reset_verb->callback([options, &session] { reset(*options, session); });
   for (CLI::App* each : {check_verb, reset_verb})
     each->add_option("--set", options->set, "override table.key=value of the bench file")->take_all();
@@ -155,13 +156,14 @@ std::string conclusion(const std::string& rig, const std::string& standard) {
         "not judged: accept a baseline of at least {} checks (tactbench trend accept RUNS --reason --by)",
         analysis::kMinStartUpRuns);
   if (rig_moved && standard_moved)
-    return "the rig changed, and the standard's figures with it: do not calibrate sensors on it";
+    return "the rig changed, and with it the figures of the check standard: do not calibrate sensors on it";
   if (rig_moved)
-    return "the rig changed, the standard's figures did not: check the rig; calibrations so far remain valid";
+    return "the rig changed, but the figures of the check standard did not: check the rig; earlier calibrations remain "
+           "valid";
   if (standard_moved)
-    return "the standard changed on an unchanged rig: the standard itself, or a change that the rig's own figures do "
-           "not show";
-  return "rig and standard are unchanged: a change of another sensor is its own";
+    return "the check standard changed on an unchanged rig: the standard itself changed, or the rig in a way that its "
+           "figures do not show";
+  return "rig and check standard are unchanged: a change of another sensor is due to that sensor";
 }
 
 struct CheckedSubject {
@@ -255,12 +257,14 @@ void add_rig_check(CLI::App& devices, Session& session) {
       "measure the rig itself and compare it with its baseline\n"
       "Steps and holds of the chamber, reference against feedback, and a check-standard sensor; with --press also the "
       "force sensor's zero and the stage's repeatability.");
-  verb->add_option("--standard", options->run.sensor, "serial of the sensor that is used only for these checks")
+  verb->add_option("--standard", options->run.sensor,
+                   "serial number of the check standard: a sensor used only for these checks")
       ->required();
   session.profile.add_operator(*verb, options->run.operator_name);
-  verb->add_option("--recipe", options->standard_recipes, "that characterizes the standard; always the same")
+  verb->add_option("--recipe", options->standard_recipes,
+                   "recipe that characterizes the check standard; always the same")
       ->capture_default_str();
-  verb->add_flag("--press", options->press, "also three presses of the ring (asks for it to be mounted)");
+  verb->add_flag("--press", options->press, "also press the ring three times (asks to mount it)");
   verb->add_flag("--yes", options->run.assume_yes, "answer operator prompts with yes");
   verb->add_option("--set", options->run.set, "override table.key=value of the bench file, or recipe.key=value")
       ->take_all();

@@ -33,10 +33,9 @@ struct InitOptions {
 // For --operator. JSON's escapes are also TOML's.
 std::string profile_text(const std::string& operator_name) {
   return fmt::format(
-      "# What need not be typed with every verb, for the folder in which tactbench is started. The command line "
-      "precedes\n"
-      "# the environment (TACTBENCH_BENCH, TACTBENCH_DB, TACTBENCH_FLEET), and that precedes this file: tactbench "
-      "config --origin.\n"
+      "# Defaults of command-line options, for the folder in which tactbench is started. Precedence: the command\n"
+      "# line, the environment (TACTBENCH_BENCH, TACTBENCH_DB, TACTBENCH_FLEET), this file: tactbench config "
+      "--origin.\n"
       "bench = \"bench.toml\"\ndb = \"runs.db\"\noperator = {}\nrecipe = \"production\"\n"
       "limits = \"limits.toml\"\nlab = \"lab.toml\"\n# units = \"kPa\"\n",
       nlohmann::json(operator_name).dump());
@@ -110,8 +109,7 @@ void add_init(CLI::App& app, Session& session) {
   CLI::App* verb = app.add_subcommand("init", "write commented bench, sensor, limits and lab files to start from");
   verb->add_option("folder", options->folder, "where to")->capture_default_str();
   verb->add_option("--operator", options->operator_name,
-                   "also write tactbench.toml, with this name: bench, store, operator, recipe and limits then need not "
-                   "be typed")
+                   "also write tactbench.toml, with this name: defaults for bench, store, operator, recipe and limits")
       ->check([](const std::string& name) { return std::string(db::is_blank(name) ? "the name is empty" : ""); });
   verb->add_flag("--rig", options->rig, "bench.toml describes the paper's rig (hardware) instead of the simulated one");
   verb->add_flag("--replace,--force", session.replace, "overwrite existing files");
@@ -165,19 +163,21 @@ std::string comment_of(const KeyFacts& key) {
 const std::vector<FileKind>& file_kinds() {
   static const std::vector<FileKind> kinds = {
       {"Bench file",
-       "bench.toml: a rig, its instruments and its limits. `tactbench init` and `tactbench init --rig` write ones with "
-       "remarks to start from. `--set KEY=VALUE` changes a value for a run.",
+       "bench.toml: a rig, its instruments and its limits. `tactbench init` and `tactbench init --rig` write commented "
+       "ones to start from. `--set KEY=VALUE` changes a value for a run.",
        bench_keys},
       {"Recipe",
        "What a run does. How-to: [write a recipe](how-to-write-a-recipe.md). `--set recipe.KEY=VALUE` changes a value "
        "for a run.",
        sequences::recipe_keys},
       {"Sensor type", "sensor.toml: the kind of array, for `tactbench sensors add --type`.", sensor_type_keys},
-      {"Limits", "limits.toml: what passes. How-to: [judge by your limits](how-to-judge-by-your-limits.md).",
+      {"Limits",
+       "limits.toml: the requirements for a pass. How-to: [judge by your limits](how-to-judge-by-your-limits.md).",
        limits_keys},
-      {"Laboratory", "lab.toml: facts for reports that no instrument knows, for `tactbench report --lab`.",
+      {"Laboratory", "lab.toml: facts for reports that no instrument can supply, for `tactbench report --lab`.",
        laboratory_keys},
-      {"Operator's profile", "tactbench.toml in the working folder: what need not be typed.", operator_profile_keys},
+      {"Operator's profile", "tactbench.toml in the working folder: defaults of command-line options.",
+       operator_profile_keys},
       {"Nightly suite",
        "What `tactbench nightly FILE` carries out. How-to: [a night in CI](how-to-run-a-night-in-ci.md).", suite_keys},
       {"Module profile", "An analog module behind Modbus; `[module] profile` names a shipped one, or a file.",

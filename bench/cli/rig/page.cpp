@@ -1,4 +1,4 @@
-// page: what the bench does, in a browser. A process of its own, which holds no instrument.
+// page: shows the bench in a browser. A separate process, which holds no instrument.
 #include "bench/cli/rig/page.h"
 
 #include <fcntl.h>
@@ -39,7 +39,7 @@ struct PageVerbOptions {
 
 bool is_loopback(const std::string& address) { return address.starts_with("127.") || address == "::1"; }
 
-// ADDRESS:PORT and [ADDRESS]:PORT, as other programs take them. What is neither is left to the server to refuse.
+// ADDRESS:PORT and [ADDRESS]:PORT. The server refuses any other text.
 void split_port(PageVerbOptions& options) {
   std::string& address = options.page.http.address;
   const bool bracketed = address.starts_with('[');
@@ -52,7 +52,7 @@ void split_port(PageVerbOptions& options) {
   address = bracketed ? address.substr(1, colon - 2) : address.substr(0, colon);
 }
 
-// What makes a certificate for who has none: a browser asks once whether to trust it.
+// The command that makes a self-signed certificate: a browser asks once whether to trust it.
 std::string certificate_command(const std::string& address) {
   const bool any = address == "0.0.0.0" || address == "::";
   const std::vector<std::string> own = any ? own_addresses(address == "::") : std::vector<std::string>{address};
@@ -75,18 +75,16 @@ void check(PageVerbOptions& options) {
     page.http.certificate = options.tls[0];
     page.http.key = options.tls[1];
   } else if (!is_loopback(page.http.address)) {
-    throw Error(
-        "TB-PAGE-OPEN",
-        fmt::format("on {} everybody on the network could read the link's keys on their way", page.http.address),
-        "--listen " + page.http.address,
-        fmt::format(
-            "make a certificate: {0}; then add --tls page.pem page-key.pem; or leave --listen out and come through "
-            "a tunnel: ssh -L {1}:127.0.0.1:{1} THIS-MACHINE",
-            certificate_command(page.http.address), page.http.port));
+    throw Error("TB-PAGE-OPEN",
+                fmt::format("on {} everybody on the network could read the keys in the link", page.http.address),
+                "--listen " + page.http.address,
+                fmt::format("make a certificate: {0}; then add --tls page.pem page-key.pem; or leave --listen out and "
+                            "connect through a tunnel: ssh -L {1}:127.0.0.1:{1} THIS-MACHINE",
+                            certificate_command(page.http.address), page.http.port));
   }
 }
 
-// The usual port may be another page's: then any free one, which the link names.
+// If another page uses the default port, any free one is used; the link shows it.
 std::unique_ptr<PageServer> open_server(const PageVerbOptions& options) {
   try {
     return std::make_unique<PageServer>(options.page);
@@ -98,7 +96,7 @@ std::unique_ptr<PageServer> open_server(const PageVerbOptions& options) {
   }
 }
 
-// Next to a run nothing of its streams is kept: who reads them would wait for this process, too.
+// Next to a run, its streams are closed: otherwise a process that reads them would also wait for this one.
 void leave_streams() {
   const int null = ::open("/dev/null", O_RDWR | O_CLOEXEC);
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
@@ -140,24 +138,23 @@ void add_page(CLI::App& app, Session& session) {
   PageOptions& page = options->page;
   page.http.port = kUsualPort;
   CLI::App* verb = app.add_subcommand("page",
-                                      "the bench in a browser: prints an address, serves it until Ctrl-C\n"
-                                      "A process of its own that reads the store and follows the live run; a run never "
+                                      "show the bench in a browser: prints an address, serves it until Ctrl-C\n"
+                                      "A separate process that reads the store and follows the live run; a run never "
                                       "waits for it.");
   session.profile.add(*verb, "--operator", ProfileKey::kOperator, page.operator_name,
-                      "who commands from the page: the address then lets its holder pause, resume, stop, abort, panic "
-                      "and answer prompts under this name; without it the page only shows");
+                      "name of the person who commands from the page: anyone with the address may then pause, resume, "
+                      "stop, abort, panic and answer prompts under this name; without it the page is read-only");
   verb->add_option_function<std::uint16_t>(
           "--port",
           [options](std::uint16_t port) {
             options->page.http.port = port;
             options->port_given = true;
           },
-          "port; 0 takes a free one")
+          "port; 0: any free one")
       ->default_str(std::to_string(kUsualPort));
-  verb->add_option(
-          "--listen", page.http.address,
-          "address of this machine to listen on, with a port or without; any but loopback needs --tls; 0.0.0.0: all of "
-          "them, and the links for other machines, a phone say, are printed")
+  verb->add_option("--listen", page.http.address,
+                   "address of this machine to listen on, with a port or without; any except loopback needs --tls; "
+                   "0.0.0.0: all addresses; the links for other machines, such as a phone, are then printed")
       ->capture_default_str();
   verb->add_option("--tls", options->tls, "certificate chain and private key, files in PEM")
       ->type_name("CERTIFICATE KEY")
@@ -166,8 +163,10 @@ void add_page(CLI::App& app, Session& session) {
       ->take_all();
   verb->add_option("--night", page.night, "page that `nightly --html` wrote, shown in the view of the nights");
   session.profile.add(*verb, "--lab", ProfileKey::kLab, options->lab,
-                      "laboratory file: until when a calibration counts");
-  verb->add_option("--beside", page.beside, "process of a run: ends once that has ended and nobody looks")->group("");
+                      "laboratory file: until when a calibration is valid");
+  verb->add_option("--beside", page.beside,
+                   "process of a run: the page ends once that has ended and nobody views the page")
+      ->group("");
   for (const char* const name : {"--listen", "--tls", "--name", "--night"}) verb->get_option(name)->group(kRareOptions);
   verb->callback([options, &session] {
     options->page.bench = session.typed_bench();

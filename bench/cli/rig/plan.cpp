@@ -262,19 +262,17 @@ void add_plan(CLI::App& app, Session& session) {
   CLI::App* verb = app.add_subcommand("plan", "check recipes without a device: levels, margins, time; none: list them");
   verb->add_option("recipe", options->recipes,
                    "recipe files or names of shipped ones (descending, ring, ...); none: lists the shipped ones");
-  verb->add_option(
-          "--set", options->set,
-          "override table.key=value, or recipe.key=value (a parameter or a key); a pressure in the key's unit, or with "
-          "its own: recipe.step=20kPa")
+  verb->add_option("--set", options->set,
+                   "override table.key=value, or recipe.key=value (a parameter or a key); a pressure in the key's "
+                   "unit, or with a unit: recipe.step=20kPa")
       ->take_all();
   verb->add_option("--limits", options->limits,
-                   "limits file: list levels to be judged that are not measured; exit code 6 when there are any");
+                   "limits file: list levels to be judged that are not measured; exit code 6 if there are any");
   verb->add_flag("--steps", options->steps, "list every step in the order of the run");
   verb->add_flag("--parameters", options->parameters, "list the recipes' parameters instead");
   add_all(*verb, session);
   verb->add_flag("--print", options->print, "print the recipe's file instead, with its comments");
-  verb->add_option("--copy", options->copy, "begin a recipe of your own as a copy of this one: NAME, or NAME.toml")
-      ->type_name("NAME");
+  verb->add_option("--copy", options->copy, "copy this recipe as your own: NAME, or NAME.toml")->type_name("NAME");
   add_replace(*verb, session);
   verb->callback([options, &session] { plan(*options, session); });
 }
@@ -348,7 +346,7 @@ void list_recipes(const Session& session) {
   }
   if (session.json) return print_json("plan.recipes", {{"recipes", json}});
   print_table(std::move(table));
-  tty::print("tactbench plan NAME shows more; plan NAME --copy MINE begins one of your own\n");
+  tty::print("tactbench plan NAME shows more; plan NAME --copy MINE copies it as your own\n");
 }
 
 void print_recipe(const std::string& name, const Session& session) {

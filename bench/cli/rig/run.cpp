@@ -105,7 +105,7 @@ void warn_of_instruments(const RunRequest& request, analysis::PressureUnit unit)
     tty::print(stderr, "warning: {}\n", line);
 }
 
-// What a run of loops could not be judged by, where the profile names limits.
+// Warns of limits that cannot be judged on a run of loops, if the profile names limits.
 void warn_of_limits(const RunOptions& options, const Session& session) {
   const auto limits = session.profile.values().find(ProfileKey::kLimits);
   if (limits == session.profile.values().end()) return;
@@ -145,7 +145,7 @@ CarriedOut begin_and_carry_out(const RunOptions& options, const Session& session
   }
   if (options.rate > 0.0 && !request.bench.simulation) {
     throw Error("TB-USAGE", "--rate is for a bench simulated in this process", "--rate",
-                "leave it out: instruments have the pace that they have");
+                "leave it out: the pace of real instruments cannot be changed");
   }
   const BenchLock bench_lock(request.bench);
   request.bench_name = bench_lock.name();
@@ -176,7 +176,7 @@ void resume_run(std::int64_t number, const ResumeOptions& options, Session& sess
   const db::RunRecord record = db::RunStore::open_read_only(session.db).run(number);
   const auto stored = stored_overrides(record.overrides_json);
   if (!stored)
-    throw Error("TB-RESUME-SETTINGS", fmt::format("the settings (--set) kept with run {} cannot be read", number),
+    throw Error("TB-RESUME-SETTINGS", fmt::format("the settings (--set) stored with run {} cannot be read", number),
                 session.db);
   std::vector<std::string> set;
   for (const sequences::Override& item : *stored) set.push_back(item.key + "=" + item.value);
@@ -221,10 +221,9 @@ void add_run(CLI::App& app, Session& session) {
   session.profile.add_operator(*verb, options->operator_name);
   verb->add_option("--purpose", options->purpose, "why; recorded");
   add_metadata_options(*verb, options->metadata);
-  verb->add_option(
-          "--set", options->set,
-          "override table.key=value of the bench file, or recipe.key=value; a pressure in the key's unit, or with its "
-          "own: recipe.step=20kPa, limits.trip_psi=450kPa")
+  verb->add_option("--set", options->set,
+                   "override table.key=value of the bench file, or recipe.key=value; a pressure in the key's unit, or "
+                   "with a unit: recipe.step=20kPa, limits.trip_psi=450kPa")
       ->take_all();
   verb->add_option("--seed", options->seeds.seed, "simulation: seed of noise and faults");
   verb->add_option("--sensor-seed", options->seeds.sensor_seed, "simulation: seed of the array");
@@ -233,18 +232,16 @@ void add_run(CLI::App& app, Session& session) {
       "simulation: file with the film's memory, read if it exists and written at the end; without it a run "
       "starts from virgin film");
   verb->add_option("--on-event", options->on_event,
-                   "shell command started when the run is done, has failed or waits for somebody; TACTBENCH_EVENT, "
+                   "shell command started when the run is done, has failed or waits for a person; TACTBENCH_EVENT, "
                    "TACTBENCH_RUN and TACTBENCH_REASON are in its environment");
   verb->add_flag("--yes", options->assume_yes, "answer operator prompts with yes");
   verb->add_flag("--no-seating", options->no_seating, "skip the seating check");
-  verb->add_option(
-          "--rate", options->rate,
-          "simulation: process seconds in a real second, at most, for people who watch (default: as many as it "
-          "can)")
+  verb->add_option("--rate", options->rate,
+                   "simulation: limit of process seconds per real second, for people who watch (default: none)")
       ->check(CLI::Range(0.1, 1e6));
-  verb->add_flag("--page", options->page,
-                 "start `tactbench page` beside the run: its address is printed; it ends when the run has ended and "
-                 "nobody looks");
+  verb->add_flag(
+      "--page", options->page,
+      "also start `tactbench page`: its address is printed; it ends when the run has ended and nobody views the page");
   for (const char* const name : {"--specimen-state", "--no-seating", "--purpose", "--on-event"})
     verb->get_option(name)->group(kRareOptions);
   verb->callback([options, &session] {

@@ -18,11 +18,12 @@ struct RunOptions {
   std::vector<std::string> recipes, set;
   std::string bench, sensor, operator_name, purpose, specimen_state, on_event;
   bool assume_yes = false, no_seating = false, page = false;
-  double rate = 0.0;  // of a bench simulated in this process: process seconds in a real one, at most; 0: no limit
+  double rate =
+      0.0;  // for a bench simulated in this process: at most so many process seconds per real second; 0: no limit
   SeedOptions seeds;
   MetadataOptions metadata;
   std::string label = "run";                   // of the progress line
-  std::function<void(std::int64_t)> on_begun;  // called with the run's number once it has a row; may be empty
+  std::function<void(std::int64_t)> on_begun;  // called with the run's number once the store has it; may be empty
 };
 
 // Carries out a new run. Throws Error when it did not complete or was refused before it began.
@@ -36,7 +37,7 @@ struct ResumeOptions {
   bool assume_yes = false;
 };
 
-// Opens run `number` of session.db again and completes it; prints as `run` does. Throws Error and what a run throws.
+// Reopens run `number` of session.db and completes it; prints as `run` does. Throws Error and the errors of a run.
 void resume_run(std::int64_t number, const ResumeOptions& options, Session& session);
 
 }  // namespace tactbench::bench

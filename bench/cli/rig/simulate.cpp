@@ -94,7 +94,7 @@ void simulate(const SimulateOptions& options, const Session& session) {
 
 void add_simulate(CLI::App& app, Session& session) {
   auto options = std::make_shared<SimulateOptions>();
-  CLI::App* verb = app.add_subcommand("simulate", "serve the whole simulated rig on real wires, for any client");
+  CLI::App* verb = app.add_subcommand("simulate", "serve the whole simulated rig on real connections, for any client");
   verb->add_option("--set", options->set, "override table.key=value, such as module.port=1502")->take_all();
   verb->add_option("--rate", options->rate, "ratio of process time to real time")
       ->check(CLI::Range(0.1, 100.0))

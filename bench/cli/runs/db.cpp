@@ -31,7 +31,8 @@ void migrate_db(const Session& session) {
         "db.migrate",
         {{"store", session.db}, {"schema_before", before}, {"schema_now", db::kSchemaVersion}, {"backup", backup}});
   } else if (before == 0) {
-    tty::print("{}: its making was cut off; it is an empty store of schema {} now\n", session.db, db::kSchemaVersion);
+    tty::print("{}: its creation was interrupted; it is now an empty store of schema {}\n", session.db,
+               db::kSchemaVersion);
   } else if (backup.empty()) {
     tty::print("{} already has this program's schema {}: nothing was done\n", session.db, before);
   } else {
@@ -45,7 +46,8 @@ void migrate_db(const Session& session) {
 void add_db(CLI::App& app, Session& session) {
   CLI::App* group = app.add_subcommand("db", "migrate or prune the store's file");
   group->require_subcommand(1);
-  CLI::App* migrate = group->add_subcommand("migrate", "bring an older store to this program's schema; keeps a backup");
+  CLI::App* migrate =
+      group->add_subcommand("migrate", "migrate an older store to this program's schema; keeps a backup");
   migrate->callback([&session] { migrate_db(session); });
   add_subverbs(*group, session);
 }
@@ -59,7 +61,7 @@ struct PruneOptions {
   bool yes = false, shrink = false;
 };
 
-// The UTC time before which a night is old: of 30d, 8w, or 2026-01-31.
+// The UTC time before which a night is old, from 30d, 8w, or 2026-01-31.
 std::string begin_of_kept(const std::string& rule) {
   int count = 0;
   const char* const end = rule.data() + rule.size();
@@ -71,7 +73,7 @@ std::string begin_of_kept(const std::string& rule) {
   for (std::size_t i = 0; date && i < pattern.size(); ++i)
     date = pattern[i] == 'd' ? rule[i] >= '0' && rule[i] <= '9' : rule[i] == '-';
   if (date) return rule;
-  throw Error("TB-USAGE", fmt::format("'{}' names no nights to keep", rule), "--keep",
+  throw Error("TB-USAGE", fmt::format("'{}' does not say which nights to keep", rule), "--keep",
               "days or weeks back from now (30d, 8w), or the first day to keep (2026-01-31, UTC)");
 }
 
@@ -110,7 +112,7 @@ void prune(const PruneOptions& options, const Session& session) {
       frames += gone.frames;
       bytes += gone.bytes;
       return false;
-    } catch (const db::StoreError& error) {  // not as it was stored: damage is not tidied away
+    } catch (const db::StoreError& error) {  // changed since it was stored: damaged runs are not pruned
       if (error.id() != "TB-STORE-CONFLICT") throw;
       old.kept.emplace_back(run, error.what());
       return true;
@@ -132,8 +134,8 @@ void prune(const PruneOptions& options, const Session& session) {
                                    {"file_bytes_before", before},
                                    {"file_bytes", after}});
   }
-  tty::print("{}: {} of {} {}; figures, hashes, models and verdicts stay\n", rule, analysis::counted(frames, "frame"),
-             analysis::counted(old.runs.size(), "run"),
+  tty::print("{}: {} of {} {}; figures, hashes, models and verdicts are kept\n", rule,
+             analysis::counted(frames, "frame"), analysis::counted(old.runs.size(), "run"),
              options.yes ? fmt::format("removed, {:.1f} MB of counts and traces", 1e-6 * static_cast<double>(bytes))
                          : "would go");
   for (const auto& [run, why] : old.kept) tty::print("  run {} stays whole: {}\n", run, one_line(why));
@@ -143,7 +145,7 @@ void prune(const PruneOptions& options, const Session& session) {
     tty::print("{}: {:.1f} MB, before {:.1f} MB\n", session.db, 1e-6 * static_cast<double>(after),
                1e-6 * static_cast<double>(before));
   } else if (!old.runs.empty()) {
-    tty::print("the file keeps its length, and later runs fill it; --shrink gives the space back\n");
+    tty::print("the file keeps its size for later runs; --shrink frees the space\n");
   }
 }
 
@@ -151,20 +153,20 @@ void prune(const PruneOptions& options, const Session& session) {
 
 void add_db_prune(CLI::App& db, Session& session) {
   auto options = std::make_shared<PruneOptions>();
-  CLI::App* verb = db.add_subcommand("prune", "remove the frames of nights that are older than a rule");
+  CLI::App* verb = db.add_subcommand("prune", "remove the frames of nights older than a given age");
   verb->footer(
-      "Figures, content hashes, models and verdicts stay, and each run says when its frames went and by which rule. "
+      "Figures, content hashes, models and verdicts are kept, and each run records when its frames were removed and by "
+      "which rule. "
       "Never pruned: runs of hardware and imported ones, runs that are void, pinned (runs tag RUN pinned) or in an "
-      "approved report, and runs on which a verdict rests together with one of these.");
+      "approved report, and runs on which a verdict is based together with one of these.");
   verb->add_option("--keep", options->keep,
-                   "nights whose frames stay: of the last days or weeks (30d, 8w), or from a day on (2026-01-31)")
+                   "nights whose frames are kept: of the last days or weeks (30d, 8w), or from a day on (2026-01-31)")
       ->required()
       ->type_name("RULE");
-  verb->add_flag("--yes", options->yes, "do it; without, it is only said what would go");
-  verb->add_flag(
-      "--shrink", options->shrink,
-      "give the file's free space back afterwards; needs as much again meanwhile, and no other program in the "
-      "store");
+  verb->add_flag("--yes", options->yes, "carry it out; without this only a list of what would be removed is printed");
+  verb->add_flag("--shrink", options->shrink,
+                 "free the unused space of the file afterwards; temporarily needs as much again, and no other program "
+                 "may use the store");
   verb->callback([options, &session] {
     session.use_db_only_if_typed();
     prune(*options, session);
@@ -193,7 +195,7 @@ void merge_and_report(const MergeOptions& options, Session& session) {
   const MergedStores merged = merge_stores(options.parts, store);
   const bool files = !(options.files.html.empty() && options.files.junit.empty() && options.files.metrics.empty());
   if (files && merged.nights.empty())
-    throw Error("TB-MERGE-NIGHT", "these stores brought no night, and files of one were asked for", session.db);
+    throw Error("TB-MERGE-NIGHT", "these stores contain no night, but files of a night were requested", session.db);
   for (const MergedNight& night : merged.nights) {
     session.code = std::max(session.code, code_of_night(night.suite, night.results), [](ExitCode a, ExitCode b) {
       const auto rank = [](ExitCode code) {
@@ -227,17 +229,18 @@ void merge_and_report(const MergeOptions& options, Session& session) {
 
 void add_run_merge(CLI::App& runs, Session& session) {
   auto options = std::make_shared<MergeOptions>();
-  CLI::App* verb = runs.add_subcommand("merge", "take from several stores what this one (--db) does not have");
+  CLI::App* verb = runs.add_subcommand("merge", "copy from several stores what this one (--db) does not have");
   verb->footer(
-      "A night of which these stores hold all parts (nightly --shard K/N) becomes the night of one machine: the same "
-      "numbers of runs, figures and comparisons. Merging again changes nothing. Exit codes as of nightly: 1 a scenario "
+      "If these stores have all parts of a night (nightly --shard K/N), the result equals the night of one machine: "
+      "the same run numbers, figures and comparisons. Merging again changes nothing. Exit codes as of nightly: 1 a "
+      "scenario "
       "is red, 6 one moved.");
-  verb->add_option("stores", options->parts, "the stores, which stay as they are")->required()->take_all();
+  verb->add_option("stores", options->parts, "the stores to read; they are not changed")->required()->take_all();
   add_night_files(*verb, options->files);
   add_replace(*verb, session);
   verb->callback([options, &session] {
     if (!session.typed("--db"))
-      throw Error("TB-USAGE", "the store that they are taken into is not named", "--db",
+      throw Error("TB-USAGE", "the store to merge into is not named", "--db",
                   "--db FILE; it is made if it does not exist");
     merge_and_report(*options, session);
   });

@@ -10,11 +10,11 @@ namespace tactbench::bench {
 
 struct MergeOptions {
   std::vector<std::string> parts;
-  NightFiles files;  // of the last night
+  NightFiles files;  // files of the last night
 };
 
-// Into session.db; prints what came of it and sets session.code as `nightly` does. Throws as merge_stores(), and Error
-// TB-MERGE-NIGHT when files of a night are asked for and none came.
+// Merges into session.db; prints the result and sets session.code as `nightly` does. Throws as merge_stores(), and
+// Error TB-MERGE-NIGHT when files of a night are requested and the stores contain no night.
 void merge_and_report(const MergeOptions& options, Session& session);
 
 }  // namespace tactbench::bench

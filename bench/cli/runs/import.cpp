@@ -60,9 +60,9 @@ struct ImportOptions {
 
 void import(const ImportOptions& options, const Session& session) {
   WorkProgress progress("import", session.quiet || session.json,
-                        {{"reading the table", 6.0}, {"looking at the data", 3.0, false}, {"storing", 1.0, false}});
+                        {{"reading the table", 6.0}, {"checking the data", 3.0, false}, {"storing", 1.0, false}});
   const TableFile file = read_table_file(options.file, options.table);
-  progress.begin("looking at the data");
+  progress.begin("checking the data");
   print_table_assumptions(options.file, file.table);
   // Refuses a table on which no model can be fitted.
   print_table_doubts(analysis::histories_of(file.table.series, options.file, options_of(options.table)));
@@ -111,15 +111,16 @@ void import(const ImportOptions& options, const Session& session) {
 void add_import(CLI::App& runs, Session& session) {
   auto options = std::make_shared<ImportOptions>();
   CLI::App* verb = runs.add_subcommand("import",
-                                       "make a run of a table of input and output\n"
+                                       "make a run from a table of input and output\n"
                                        "Columns sequence, step, input, output and perhaps taxel, or what runs export "
                                        "writes; history in row order.");
   verb->add_option("file", options->file,
-                   "text with commas, semicolons, tabs or blanks between the columns; a line names them, the next may "
-                   "hold units")
+                   "text with columns separated by commas, semicolons, tabs or blanks; one line names them, the next "
+                   "may contain units")
       ->required();
   add_table_options(*verb, options->table);
-  session.profile.add(*verb, "--operator", ProfileKey::kOperator, options->operator_name, "who imports it");
+  session.profile.add(*verb, "--operator", ProfileKey::kOperator, options->operator_name,
+                      "name of the person who imports it");
   verb->add_option("--purpose", options->purpose, "what it is");
   verb->callback([options, &session] { import(*options, session); });
 }

@@ -16,10 +16,10 @@ struct TableFile {
   analysis::Table table;
   std::string sha256;
 };
-// Units of `options`, or those of the table's own line of units. Throws AnalysisError TB-TABLE-*.
+// Units from `options`, otherwise from the table's line of units. Throws AnalysisError TB-TABLE-*.
 TableFile read_table_file(const std::string& path, const TableOptions& options);
 
-// How its series are read. `fitted`: as for read_run().
+// Options for reading the table's series. `fitted`: as for read_run().
 analysis::HistoriesOptions options_of(const TableOptions& table, const std::vector<std::string>& fitted = {});
 
 // Prints on standard error what was assumed in reading the table, and which rows were left out.

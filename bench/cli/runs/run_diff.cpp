@@ -30,7 +30,7 @@ void compare_members(const nlohmann::ordered_json& a, const nlohmann::ordered_js
     return value.is_string() ? value.get<std::string>() : value.is_null() ? "nothing" : analysis::json_line(value);
   };
   const auto parts = [](const nlohmann::ordered_json& value) { return value.is_object() ? value.size() : 0; };
-  // Where one of them lacks a tree, too, its members are named one by one.
+  // Also if one of them lacks a tree, its members are listed one by one.
   if ((a.is_object() && b.is_object()) || (a.is_null() && parts(b) > 0) || (b.is_null() && parts(a) > 0)) {
     for (const auto& [key, value] : a.items())
       compare_members(value, b.is_null() ? nlohmann::ordered_json() : b.value(key, nlohmann::ordered_json()), path(key),
@@ -54,7 +54,7 @@ nlohmann::ordered_json comparable(const db::RunStore& store, const db::RunRecord
   json["tags"] = nlohmann::ordered_json::array();
   for (const std::string& tag : run.tags)
     if (tag.find('=') == std::string::npos) json["tags"].push_back(tag);
-  // Settings by their key, so that they stand beside each other.
+  // Settings by their key, so that they can be compared.
   auto settings = nlohmann::ordered_json::object();
   const nlohmann::ordered_json typed = json["overrides"];
   for (const auto& setting : typed.is_array() ? typed : nlohmann::ordered_json::array())
@@ -137,10 +137,10 @@ void diff_runs(std::int64_t first, std::int64_t second, Session& session) {
     table.rows.push_back({{one_line(d.what), one_line(d.first), one_line(d.second), remark}});
   };
   for (const RunDifference& d : found) add(d, "");
-  for (const RunDifference& d : remarked) add(d, "remark: does not count");
+  for (const RunDifference& d : remarked) add(d, "remark: not part of the comparison");
   if (!table.rows.empty()) print_table(std::move(table));
-  tty::print("frames: {} of run {} and {} of run {}, {} equal in place\n", frames_a.size(), first, frames_b.size(),
-             second, equal);
+  tty::print("frames: {} of run {} and {} of run {}, {} equal at the same position\n", frames_a.size(), first,
+             frames_b.size(), second, equal);
   if (position != 0) tty::print("first frame that differs: {}: {}\n", position, what);
   tty::print("content: {}\n", same_content ? "the same, by its hash" : "not the same");
 }
@@ -150,7 +150,7 @@ void diff_runs(std::int64_t first, std::int64_t second, Session& session) {
 void add_run_diff(CLI::App& runs, Session& session) {
   auto numbers = std::make_shared<std::pair<std::int64_t, std::int64_t>>();
   CLI::App* verb =
-      runs.add_subcommand("diff", "show the differences between two runs (exit 1), or that there are none (0)");
+      runs.add_subcommand("diff", "show the differences between two runs (exit code 1), or that there are none (0)");
   verb->add_option("a", numbers->first, "run number")->required();
   verb->add_option("b", numbers->second, "run number")->required();
   verb->callback([numbers, &session] { diff_runs(numbers->first, numbers->second, session); });

@@ -64,8 +64,10 @@ void void_run(const RunRemark& remark, const Session& session) {
   }
   tty::print("run {}: void, by {}: {}; it is kept\n", remark.run, remark.by, remark.text);
   for (const db::ReportRecord& report : fallen)
-    tty::print("warning: the report {}, signed by {} on {}, rests on this run: withdraw it, and report run {} anew\n",
-               report.number, one_line(report.approved_by), report.approved_utc, report.run);
+    tty::print(
+        "warning: the report {}, signed by {} on {}, is based on this run: withdraw it, and write a new report of run "
+        "{}\n",
+        report.number, one_line(report.approved_by), report.approved_utc, report.run);
 }
 
 }  // namespace
@@ -75,7 +77,7 @@ void add_run_remarks(CLI::App& runs, Session& session) {
   CLI::App* tag = runs.add_subcommand("tag", "add tags to a run, or remove them");
   tag->add_option("run", remark->run, "run number")->required();
   tag->add_option("tags", remark->tags, "words of letters, digits and . _ : / + -")->required()->take_all();
-  tag->add_flag("--remove", remark->remove, "take them away");
+  tag->add_flag("--remove", remark->remove, "remove them");
   tag->callback([remark, &session] { tag_run(*remark, session); });
   CLI::App* note = runs.add_subcommand("note", "add a line to a run's notes, with the time");
   note->add_option("run", remark->run, "run number")->required();

@@ -35,7 +35,7 @@ namespace tactbench::bench {
 
 namespace {
 
-// "7d" is so many days ago.
+// "7d": seven days ago.
 std::string since_utc(const std::string& since) {
   int days = 0;
   const char *const begin = since.data(), *const end = begin + since.size();
@@ -152,7 +152,7 @@ void RunsList::add(const ListedRun& listed, nlohmann::ordered_json row) {
 
 void RunsList::end(bool any_stored) {
   if (session_.json) return print_json("runs.list", {{"runs", *rows_}, {"void_left_out", left_out_}});
-  // Said once, above, where it is the same of all; lots stay, to be searched for.
+  // Columns with the same value in all rows are stated once, above; lots are kept so that they can be searched.
   constexpr std::ptrdiff_t kLot = 3, kOrigin = 4, kOutcome = 5;
   std::vector<std::string> of_all;
   for (const std::ptrdiff_t column : {kOutcome, kOrigin, kLot}) {
@@ -171,8 +171,8 @@ void RunsList::end(bool any_stored) {
   if (left_out_ > 0) {
     tty::print("{} void {} left out (--all)\n", left_out_, left_out_ == 1 ? "run" : "runs");
   } else if (listed_ == 0) {
-    tty::print("{}\n", any_stored ? "no stored run has all that was asked for"
-                                  : "no runs are stored: tactbench run stores one");
+    tty::print("{}\n",
+               any_stored ? "no stored run matches all options" : "no runs are stored: tactbench run stores one");
   }
 }
 
@@ -194,7 +194,7 @@ void list_runs(const RunsListOptions& options, const Session& session) {
 
 namespace {
 
-// A judgement for each pair of models and limits.
+// Prints one judgement per pair of models and limits.
 void print_judgements(const std::vector<analysis::JudgedFigure>& verdicts, const std::string& origin,
                       const Session& session) {
   std::vector<analysis::Judgement> judgements;
@@ -296,8 +296,8 @@ void show_run(std::int64_t number, const Session& session, bool all_events) {
   for (const db::SequenceRecord& sequence : run.sequences)
     recipes.push_back(fmt::format("{} ({} x {})", sequence.name, sequence.repeats, sequence.frames_per_repeat));
   line("recipes", fmt::format("{}", fmt::join(recipes, ", ")));
-  line("frames", pruned ? fmt::format("none: {} were removed on {}, by the rule: {}", pruned->frames,
-                                      pruned->pruned_utc, pruned->rule)
+  line("frames", pruned ? fmt::format("none: {} were removed on {} by the rule: {}", pruned->frames, pruned->pruned_utc,
+                                      pruned->rule)
                         : std::to_string(store.frame_count(number)));
   for (const db::FitRecord& fit : fits)
     line("model", fmt::format("{}:{}: {}, {}, {}", number, fit.fit, fit.model, analysis::counted(fit.fitted, "taxel"),
@@ -337,7 +337,7 @@ void add_runs_list_options(CLI::App& verb, RunsListOptions& options) {
   verb.add_option("--sensor", options.sensor, "only this sensor");
   verb.add_option("--since", options.since,
                   "started on this day (UTC, 2026-01-31), or so many days ago (7d), or later");
-  verb.add_option("--outcome", options.outcome, "only runs that ended so")
+  verb.add_option("--outcome", options.outcome, "only runs with this outcome")
       ->check(CLI::IsMember({kNotCompleted, "completed", "stopped", "aborted", "failed", "interrupted", "incomplete"}));
   verb.add_option("--tag", options.tag, "only with this tag");
   add_metadata_options(verb, options.metadata, true);
@@ -350,7 +350,7 @@ void add_runs(CLI::App& app, Session& session) {
   CLI::App* runs = app.add_subcommand("runs", "list, show, void, export, import, copy stored runs");
   runs->require_subcommand(1);
   auto options = std::make_shared<RunsListOptions>();
-  CLI::App* list_verb = runs->add_subcommand("list", "one line a run");
+  CLI::App* list_verb = runs->add_subcommand("list", "one line per run");
   add_runs_list_options(*list_verb, *options);
   list_verb->callback([options, &session] { list_runs(*options, session); });
   auto number = std::make_shared<std::int64_t>(0);
@@ -411,7 +411,7 @@ std::vector<std::string> metadata_tags(const MetadataOptions& options) {
   for (const std::string& text : options.pairs) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos)
-      refuse_metadata(fmt::format("'{}' is no KEY=VALUE", text), "--meta", "e.g. --meta film=B12");
+      refuse_metadata(fmt::format("'{}' is not KEY=VALUE", text), "--meta", "e.g. --meta film=B12");
     add(text.substr(0, equals), text.substr(equals + 1), "--meta");
   }
   return tags;

@@ -30,18 +30,19 @@ struct MetadataOptions {
   std::string lot, order;
   std::vector<std::string> pairs;  // KEY=VALUE
 };
-// To be recorded with a run, or as a filter (`filter`: --meta KEY alone asks only whether the key is there).
+// Options to record with a run, or to filter runs (`filter`: --meta KEY without a value only requires the key).
 void add_metadata_options(CLI::App& verb, MetadataOptions& options, bool filter = false);
 
-// As tags. Throws Error TB-USAGE for a pair without "=", a key named twice, or what is no tag (db::RunStore::set_tags).
+// The options as tags. Throws Error TB-USAGE for a pair without "=", a key named twice, or an invalid tag
+// (db::RunStore::set_tags).
 std::vector<std::string> metadata_tags(const MetadataOptions& options);
-// Whether a run's metadata is as asked.
+// Whether a run's metadata matches the filter.
 bool fits_metadata(const MetadataOptions& asked, const db::RunRecord& run);
 
 // Parser and filter of the option --verdict of `runs list`.
 
-// Parses --verdict, in the words of the column: "conditional pass" or conditional-pass; with a leading "simulated" only
-// simulated runs; none or "-" for runs without a verdict.
+// Parses --verdict, with the words of the list's column: "conditional pass" or conditional-pass; with a leading
+// "simulated" only simulated runs; none or "-" for runs without a verdict.
 class VerdictFilter {
  public:
   explicit VerdictFilter(const std::string& typed) : any_(typed.empty()) {
@@ -68,7 +69,7 @@ class VerdictFilter {
     all.emplace_back(kNone);
     return all;
   }
-  // For --help and completion, where a blank would split the word.
+  // For --help and completion, without blanks, which would split the word.
   static std::string type_name() {
     std::string text = fmt::format("TEXT:{{{}}}", fmt::join(words(), ","));
     std::ranges::replace(text, ' ', '-');
@@ -84,7 +85,7 @@ class VerdictFilter {
 
 // The list of a store's runs, and everything stored about one run; shared by `runs` and `fleet runs|show`.
 
-inline constexpr const char* kNotCompleted = "not-completed";  // of --outcome: any other
+inline constexpr const char* kNotCompleted = "not-completed";  // --outcome: any outcome other than completed
 
 struct RunsListOptions {
   std::string sensor, since, tag, verdict, outcome;  // empty: any
@@ -97,10 +98,10 @@ void add_runs_list_options(CLI::App& verb, RunsListOptions& options);
 struct ListedRun {
   db::RunRecord run;  // with its sequences
   std::optional<analysis::Verdict> verdict = {};
-  bool means_alone = false;  // the verdict rests on them
+  bool means_alone = false;  // the verdict is based on the means of the array alone
   std::int64_t frames = 0;
   std::optional<db::PrunedRecord> pruned = {};
-  std::optional<bool> lives = {};  // of one that has not ended: whether a process carries it out
+  std::optional<bool> lives = {};  // for a run that has not ended: whether a process carries it out
 };
 
 class RunsList {
@@ -110,7 +111,7 @@ class RunsList {
   [[nodiscard]] bool takes(const db::RunRecord& run, std::optional<analysis::Verdict> verdict);
   // `row`: run_json() of the run, to which members are added; only used with --json.
   void add(const ListedRun& listed, nlohmann::ordered_json row);
-  void end(bool any_stored);  // prints what is left to say
+  void end(bool any_stored);  // prints the remaining lines
 
  private:
   const RunsListOptions& options_;

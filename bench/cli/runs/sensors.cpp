@@ -90,7 +90,7 @@ nlohmann::ordered_json state_json(const db::SensorRecord& sensor, const SensorSt
   return json;
 }
 
-// The drifted ones in a sentence each, then all in a line each.
+// First a sentence per drifted sensor, then one line per sensor.
 void print_sensors(const std::vector<std::pair<std::string, SensorState>>& sensors, const Session& session) {
   const auto off = std::ranges::count_if(sensors, [](const auto& sensor) { return drifted(sensor.second); });
   const auto unknown = std::ranges::count_if(sensors, [](const auto& sensor) { return !sensor.second.drift; });
@@ -191,16 +191,16 @@ void add_sensors(CLI::App& app, Session& session) {
   CLI::App* add_verb = sensors->add_subcommand("add", "register a sensor: its serial, its type file, its scanner");
   add_verb->add_option("serial", options->serial, "the sensor's serial number")->required();
   add_verb->add_option("--type", options->type_file, "sensor type file")->capture_default_str();
-  add_verb->add_option("--scanner", options->scanner, "serial of the scanner it is read with (default: any)");
-  add_verb->add_option("--note", options->note, "anything worth knowing");
+  add_verb->add_option("--scanner", options->scanner, "serial number of the scanner that reads it (default: any)");
+  add_verb->add_option("--note", options->note, "remarks on the sensor");
   add_verb->callback([options, &session] { add(*options, session); });
   auto asked = std::make_shared<SensorsOptions>();
   const auto add_shared = [asked, &session](CLI::App& verb) {
     session.profile.add(verb, "--lab", ProfileKey::kLab, asked->lab,
-                        "laboratory file: until when a calibration counts");
+                        "laboratory file: until when a calibration is valid");
   };
   CLI::App* list_verb =
-      sensors->add_subcommand("list", "one line a sensor: last run, verdict, when it is due, whether it drifted");
+      sensors->add_subcommand("list", "one line per sensor: last run, verdict, when it is due, whether it drifted");
   add_shared(*list_verb);
   list_verb->callback([asked, &session] { list_sensors(*asked, session); });
   CLI::App* show_verb = sensors->add_subcommand("show", "one sensor: whether it drifted and how, verdict, runs");

@@ -63,10 +63,10 @@ constexpr const char* kTableOptions = "Of a table";
 void add_layout_options(CLI::App& verb, TableOptions& options) {
   verb.add_option("--map", options.map,
                   "meaning of the columns, as input=COL,output=COL,sequence=COL,taxel=COL,time=COL (numbers "
-                  "from 1, or names, in double quotes where they hold a comma); output=3-18, output=s* and "
-                  "output=s0+s1 are one column a taxel");
-  verb.add_flag("--no-header", options.no_header, "no line names the columns; --map numbers them");
-  verb.add_option("--skip-lines", options.skip_lines, "pass over so many lines at its beginning, whatever they hold");
+                  "from 1, or names, in double quotes if they contain a comma); output=3-18, output=s* and "
+                  "output=s0+s1 are one column per taxel");
+  verb.add_flag("--no-header", options.no_header, "no line names the columns; --map assigns them by number");
+  verb.add_option("--skip-lines", options.skip_lines, "skip so many lines at its beginning, whatever they contain");
   for (const char* const name : {"--map", "--no-header", "--skip-lines"}) verb.get_option(name)->group(kTableOptions);
 }
 
@@ -74,16 +74,16 @@ void add_table_options(CLI::App& verb, TableOptions& options) {
   add_layout_options(verb, options);
   verb.add_option("--input-unit", options.input_unit, "unit of its inputs, for display");
   verb.add_option("--noise", options.noise,
-                  "standard deviation of its outputs (default: estimated from differences of neighbours "
-                  "within the branches that are fitted); the dead band of compensation is six of them")
+                  "standard deviation of its outputs (default: estimated from differences of neighbours within the "
+                  "fitted branches); the dead band of compensation is six times that")
       ->check(CLI::NonNegativeNumber);
   verb.add_option("--turn", options.turn,
-                  "in units of its inputs: an input that goes back by more has turned (default: seven times "
-                  "the inputs' own noise, and 0.1 % of their span at least)")
+                  "in units of its inputs: an input that goes back by more than this has turned (default: seven times "
+                  "the noise of the inputs, at least 0.1 % of their span)")
       ->check(CLI::NonNegativeNumber);
   verb.add_flag("--skip-bad-rows", options.skip_bad_rows,
-                "leave out rows with blank cells, without numbers, with too few or too many fields, or with "
-                "a number far from both its neighbours, and say which");
+                "leave out rows with blank cells, without numbers, with too few or too many fields, or with a number "
+                "far from both its neighbours, and list them");
   verb.add_option("--output-unit", options.output_unit, "unit of its outputs, for display");
   for (const char* const name : {"--input-unit", "--output-unit", "--noise", "--turn", "--skip-bad-rows"})
     verb.get_option(name)->group(kTableOptions);
@@ -183,16 +183,15 @@ std::string fleet_named(const std::string& given, Session& session) {
 }  // namespace
 
 void add_from_option(CLI::App& verb, std::string& from) {
-  verb.add_option(
-      "--from", from,
-      "not from a store, but from the fleet: `fleet` for the one that TACTBENCH_FLEET or tactbench.toml names, "
-      "or how to connect, as psql takes it");
+  verb.add_option("--from", from,
+                  "read from a fleet instead of a store: `fleet` for the one in TACTBENCH_FLEET or tactbench.toml, or "
+                  "a connection string as for psql");
 }
 
 std::int64_t run_number(const std::string& text) {
   if (is_run_number(text)) return std::stoll(text);
   throw Error("TB-USAGE", fmt::format("'{}' is not a run number", text), "command line",
-              "tactbench runs list shows the numbers; a UUID is taken with --from alone");
+              "tactbench runs list shows the numbers; a UUID is accepted only with --from");
 }
 
 FleetImport::FleetImport(Session& session, const std::string& given)
@@ -213,15 +212,15 @@ void FleetImport::take_one(db::RunStore& store, const fleet::FleetRun& run) {
   const db::RunStore body = db::RunStore::open_read_only(path);
   const std::vector<db::RunRecord> runs = body.runs();
   if (runs.size() != 1 || runs.front().uuid != run.uuid || runs.front().content_sha256 != run.content_sha256)
-    throw fleet::FleetError(fleet::FleetCause::kStore, "TB-FLEET-CHANGED", "its body is another run's",
-                            "the bench's own store has what was measured");
+    throw fleet::FleetError(fleet::FleetCause::kStore, "TB-FLEET-CHANGED", "its packed store belongs to another run",
+                            "use the run in the bench's own store");
   for (const db::SensorRecord& sensor : body.sensors()) {
     const auto known = store.sensor(sensor.serial);
     if (known && (known->type_sha256 != sensor.type_sha256 || known->scanner_serial != sensor.scanner_serial))
       throw fleet::FleetError(
           fleet::FleetCause::kUsage, "TB-FLEET-CONFLICT",
-          fmt::format("these runs have sensor '{}' registered with two types or scanners", sensor.serial),
-          "name runs of one registration");
+          fmt::format("these runs contain sensor '{}' with two different types or scanners", sensor.serial),
+          "name runs that have the same registration of the sensor");
   }
   store.number_next_run(run.run);
   (void)store.copy_runs_from(body, {runs.front().run});
@@ -245,7 +244,7 @@ void FleetImport::take(const std::vector<fleet::FleetRun>& runs, const std::vect
     };
     const auto changed = [&](const std::string& what) {
       leave(fleet::FleetError(fleet::FleetCause::kStore, "TB-FLEET-CHANGED", what,
-                              "the bench's own store has what was measured"));
+                              "use the run in the bench's own store"));
     };
     try {
       const ModelsOfVerdicts models = models_of_verdicts(analysis::parse_json(run->facts));
@@ -257,7 +256,7 @@ void FleetImport::take(const std::vector<fleet::FleetRun>& runs, const std::vect
       if (error.id() == "TB-STORE-FULL") throw;
       changed(error.what());
     } catch (const nlohmann::json::exception& error) {
-      changed(fmt::format("its facts are none: {}", error.what()));
+      changed(fmt::format("its facts cannot be read: {}", error.what()));
     }
   }
   for (const auto& [number, models] : copied) link_verdicts(store, number, models);

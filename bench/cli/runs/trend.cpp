@@ -141,10 +141,9 @@ void trend(const TrendOptions& options, Session& session) {
                    : any(&TrendFigure::shifted) || !compared ? ExitCode::kInconclusive
                                                              : ExitCode::kPass;
     if (!compared)
-      tty::print(
-          stderr,
-          "warning: nothing was compared: no figure has a value after a baseline of enough runs; accept one with "
-          "tactbench trend accept\n");
+      tty::print(stderr,
+                 "warning: nothing was compared: no figure has a value after a baseline with enough runs; accept a "
+                 "baseline with tactbench trend accept\n");
   }
   if (!options.html.empty())
     write_output(options.html, trend_page("Figures over time", origin, subjects), session.replace);
@@ -162,14 +161,14 @@ void trend(const TrendOptions& options, Session& session) {
 }
 
 void add_trend_options(CLI::App& verb, TrendOptions& options, Session& session) {
-  verb.add_option("--sensor", options.sensor, "serial; its figures come from `fit`");
+  verb.add_option("--sensor", options.sensor, "serial number; the figures come from `fit`");
   verb.add_option("--subject", options.subject, "subject or its beginning: nightly/paper, rig/bench-1");
-  verb.add_option("--figure", options.figure, "this figure alone: \"mean error\" or mean_error_psi");
+  verb.add_option("--figure", options.figure, "only this figure: \"mean error\" or mean_error_psi");
   verb.add_option("--html", options.html, "write a page with a plot for each figure");
   add_replace(verb, session);
   verb.add_flag(
       "--check", options.check,
-      "exit 1 when the newest value of a figure is outside its band, 6 when one has shifted or none was compared");
+      "exit code 1 if the newest value of a figure is outside its band, 6 if one has shifted or none was compared");
 }
 
 void add_trend(CLI::App& app, Session& session) {
@@ -218,7 +217,7 @@ std::map<std::string, std::vector<std::int64_t>> chosen_runs(const BaselineOptio
   return chosen;
 }
 
-// Each subject's runs without those that repeat another one. Nothing is accepted when one has too few.
+// The runs of each subject without repetitions. Nothing is accepted if a subject has too few.
 std::size_t counted_runs(const db::RunStore& store, const std::string& subject, const std::vector<std::int64_t>& runs) {
   return runs.size() - store.repeated_runs(subject, runs).size();
 }
@@ -234,9 +233,9 @@ void refuse_short(const db::RunStore& store, const std::map<std::string, std::ve
                     analysis::kMinStartUpRuns, analysis::kRecommendedStartUpRuns),
         store.path(),
         subject.starts_with("nightly/")
-            ? fmt::format("carry them out with seeds of their own: tactbench nightly SUITE --db FILE --seeds {}",
+            ? fmt::format("carry them out with different seeds: tactbench nightly SUITE --db FILE --seeds {}",
                           analysis::kRecommendedStartUpRuns)
-            : fmt::format("measure {} more, or accept other subjects alone: --subject SUBJECT",
+            : fmt::format("measure {} more, or accept only other subjects: --subject SUBJECT",
                           analysis::kMinStartUpRuns - counted));
   }
 }
@@ -302,12 +301,14 @@ void add_baseline(CLI::App& trend, Session& session) {
                    "numbers and ranges, e.g. 1-88 90; runs without figures are skipped, runs that repeat another "
                    "(equal seeds and content, or equal figures) count once")
       ->required();
-  accept->add_option("--subject", options->subject, "only this subject, or those that begin so (trend lists them)");
+  accept->add_option("--subject", options->subject,
+                     "only this subject, or subjects with this beginning (trend lists them)");
   accept->add_option("--reason", options->reason, "why these runs serve as reference")->required();
   session.profile.add(*accept, "--by", ProfileKey::kOperator, options->by, "name of the person who accepts them")
       ->required();
   accept->callback([options, &session] { accept_baseline(*options, session); });
-  CLI::App* list = trend.add_subcommand("baselines", "list the accepted baselines; a subject's last one counts");
+  CLI::App* list =
+      trend.add_subcommand("baselines", "list the accepted baselines; the last one of a subject is in use");
   list->callback([&session] { list_baselines(session); });
 }
 

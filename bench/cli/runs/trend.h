@@ -13,7 +13,7 @@ struct TrendOptions {
 };
 void add_trend_options(CLI::App& verb, TrendOptions& options, Session& session);
 
-// Figures of session.db; sets session.code.
+// Prints figures of session.db; sets session.code.
 void trend(const TrendOptions& options, Session& session);
 
 }  // namespace tactbench::bench

@@ -37,8 +37,8 @@ void verify(std::int64_t number, Session& session) {
   const db::RunStore store = db::RunStore::open_read_only(session.db);
   const db::RunRecord run = store.run(number);
   if (run.outcome == db::Outcome::kIncomplete) {
-    throw Error("TB-VERIFY-NOT-ENDED", fmt::format("run {} has not ended: it has no hash to compare with yet", number),
-                session.db);
+    throw Error("TB-VERIFY-NOT-ENDED",
+                fmt::format("run {} has not ended, so it has no hash to compare with yet", number), session.db);
   }
   const RunVerification verified = verify_run(store, number);
   const auto& [content, beside, results, first] = verified;
@@ -78,7 +78,7 @@ void verify(std::int64_t number, Session& session) {
   for (const std::string& line : beside) tty::print("  {:<14}{}\n", "CHANGED", line);
   for (const VerifiedResult& result : results) print_result(result);
   if (content.holds() && results.empty()) tty::print("  {:<14}no stored fit, no verdict\n", "analysis");
-  const char* well = content.pruned ? "what is left is verified; the frames are not there" : "verified";
+  const char* well = content.pruned ? "the remaining data are verified; the frames are not there" : "verified";
   tty::print("{}\n", first.empty() ? well : fmt::format("NOT verified; first difference: {}", first));
 }
 
@@ -129,7 +129,7 @@ void add_verify(CLI::App& app, Session& session) {
   auto run = std::make_shared<std::string>();
   auto from = std::make_shared<std::string>();
   CLI::App* verb = app.add_subcommand("verify",
-                                      "is a run, or the whole store, as it was stored?\n"
+                                      "check that a run, or the whole store, is unchanged since it was stored\n"
                                       "Of a run the content hash and the analysis are recomputed from the raw frames, "
                                       "and the first difference is named; "
                                       "of the store the file's structure, every run's content hash, and the hashes of "
@@ -142,7 +142,7 @@ void add_verify(CLI::App& app, Session& session) {
       "voids were changed, 6 not ended, or the frames were removed by a rule (db prune).");
   verb->callback([run, from, &session] {
     if (run->empty() && !from->empty())
-      throw Error("TB-USAGE", "of a fleet one run is verified, and none is named", "--from", "name it by its UUID");
+      throw Error("TB-USAGE", "with --from one run is verified, but none is named", "--from", "name it by its UUID");
     if (run->empty()) return verify_store(session);
     if (from->empty()) return verify(run_number(*run), session);
     FleetImport fleet(session, *from);

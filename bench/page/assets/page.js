@@ -30,9 +30,9 @@ function age() {
   const page = heard ? (Date.now() - heard) / 1000 : 0;
   const run = now.silence() + page;
   let words = refused;
-  if (!words && !keys.read) words = 'This address lacks its key: open the whole link that tactbench printed.';
-  if (!words && page >= 2) words = `No news for ${Math.floor(page)} s: the page’s program is stopped or has ended. What stands here is old. At the bench: tactbench status`;
-  else if (!words && run >= 2) words = `The run has told nothing for ${Math.floor(run)} s: its process is stopped. What stands here is old; look at the rig.`;
+  if (!words && !keys.read) words = 'This address lacks its key: open the complete link that tactbench printed.';
+  if (!words && page >= 2) words = `No news for ${Math.floor(page)} s: the page’s program is stopped or has ended. The values shown are old. At the bench: tactbench status`;
+  else if (!words && run >= 2) words = `The run has sent nothing for ${Math.floor(run)} s: its process is stopped. The values shown are old; check the rig.`;
   const bar = $('old');
   if (bar.hidden !== !words) bar.hidden = !words;
   if (bar.textContent !== words) bar.textContent = words;

@@ -72,7 +72,7 @@ async function run(number) {
       fact('frames', String(one.frames)), fact('origin', one.origin), fact('purpose', one.purpose)),
     one.report || one.outcome !== 'completed' || one.void ? '' : h('p', { class: 'notice' }, `This run has no models and no verdict: its report shows what was measured. tactbench fit ${one.run} makes models.`),
     h('h2', {}, report === one.run ? 'Report' : `Report of run ${report}, whose models were judged on this run`),
-    one.frames > 0 ? frame(`/make/report?run=${report}`, `Report of run ${report}`) : h('p', {}, 'It has no frame to report on.')];
+    one.frames > 0 ? frame(`/make/report?run=${report}`, `Report of run ${report}`) : h('p', {}, 'It has no frames for a report.')];
 }
 
 const compare = async (first, second) => [title(`Runs ${first} and ${second}`, 'Runs'), frame(`/make/compare?run=${first}&with=${second}`, `Comparison of runs ${first} and ${second}`)];
@@ -101,7 +101,7 @@ async function night() {
   while (!now.state) await new Promise((done) => { setTimeout(done, 50); });
   const { hello: { night: page }, state: { nights } } = now;
   return [title('Night'), page ? [h('h2', {}, 'The last night'), frame('/make/night', 'The night’s table')] : '',
-    nights ? [h('h2', {}, `Figures over the nights, ${nights} scenarios`), frame('/make/nights', 'Figures over the nights')] : '', page || nights ? '' : h('p', {}, 'This store keeps no nights.')];
+    nights ? [h('h2', {}, `Figures over the nights, ${nights} scenarios`), frame('/make/nights', 'Figures over the nights')] : '', page || nights ? '' : h('p', {}, 'This store contains no nights.')];
 }
 
 const places = { runs, run, compare, sensors, sensor, night };

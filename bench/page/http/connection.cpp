@@ -16,7 +16,8 @@ using boost::system::error_code;
 
 namespace {
 
-constexpr int kUnsentBytes = 16 * 1024;  // that the kernel keeps of a viewer's events: else a stopped one gets old news
+constexpr int kUnsentBytes =
+    16 * 1024;  // kernel buffer for a viewer's events; a larger one would give a stopped viewer outdated events
 
 constexpr std::chrono::milliseconds kParting{1000};
 constexpr std::size_t kMostDropped = 256 * 1024;
@@ -81,7 +82,7 @@ void Connection::take_bytes() {
   unread_.erase(0, taken);
   if (error == http::error::header_limit ||
       (!parser_->is_header_done() && unread_.size() > host_.options.max_head_bytes))
-    return refuse(431, "the request's head is too long\n");
+    return refuse(431, "the request's header is too long\n");
   if (error == http::error::body_limit) return refuse(413, "the request's body is too long\n");
   if (error && error != http::error::need_more) return refuse(400, "this is not a request\n");
   parser_->is_done() ? handle() : read_more();
@@ -111,7 +112,7 @@ void Connection::handle() {
 
 void Connection::answer(HttpResponse response, bool goes_on) {
   if (response.stream && host_.viewers >= host_.options.max_viewers) {
-    response = text_response(503, fmt::format("{} viewers look already\n", host_.viewers));
+    response = text_response(503, fmt::format("there are already {} viewers\n", host_.viewers));
     response.fields.emplace_back("Retry-After", "10");
   }
   const bool stream = response.stream;
@@ -169,7 +170,7 @@ void Connection::become_viewer() {
   wire_->socket().set_option(tcp::no_delay(true), ignored);
 }
 
-// A viewer says nothing more; what it sends is dropped, and its end is noticed.
+// A viewer sends nothing more; data from it are dropped, and its disconnection is detected.
 void Connection::watch_for_end() {
   wire_->read(bytes_.data(), bytes_.size(), [self = shared_from_this()](bool ok, std::size_t) {
     if (self->closed_) return;
@@ -187,7 +188,7 @@ void Connection::offer(int kind, const SharedText& event) {
     waiting_.emplace_back(kind, event);
   }
   if (writing_ || due_) return;
-  due_ = true;  // what is offered in the same turn goes out in one piece
+  due_ = true;  // events offered in the same turn are sent together
   boost::asio::post(deadline_.get_executor(), [self = shared_from_this()] {
     self->due_ = false;
     if (!self->writing_) self->write_events();

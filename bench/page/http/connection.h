@@ -17,7 +17,7 @@
 
 namespace tactbench::bench {
 
-// What connections share.
+// Data that all connections share.
 struct ConnectionHost {
   HttpOptions options;
   HttpServer::Handler handler;
@@ -33,7 +33,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   void start();
   void close();
   [[nodiscard]] int rank() const { return closed_ ? -1 : rank_; }
-  void offer(int kind, const SharedText& event);  // to a viewer
+  void offer(int kind, const SharedText& event);  // to a viewer of the stream
 
  private:
   class Parser;
@@ -54,14 +54,14 @@ class Connection : public std::enable_shared_from_this<Connection> {
   std::unique_ptr<Wire> wire_;
   boost::asio::steady_timer deadline_;
   std::array<char, 4096> bytes_{};
-  std::string unread_;  // of the request that comes
+  std::string unread_;  // unparsed bytes of the request
   std::unique_ptr<Parser> parser_;
   std::string head_;
-  SharedText body_;  // under way
+  SharedText body_;  // being sent
   bool closed_ = false, viewer_ = false, writing_ = false, due_ = false;
   std::size_t dropped_ = 0;
-  int rank_ = 0;                                            // the highest that its requests had
-  std::vector<std::pair<int, SharedText>> waiting_, sent_;  // one of a kind at most
+  int rank_ = 0;                                            // highest rank of its requests
+  std::vector<std::pair<int, SharedText>> waiting_, sent_;  // at most one of each kind
 };
 
 }  // namespace tactbench::bench

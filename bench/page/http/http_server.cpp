@@ -48,7 +48,7 @@ struct HttpServer::Server {
     });
   }
 
-  // Without descriptors there is nothing to do but wait.
+  // If there are no free descriptors, the server can only wait.
   void accept_later() {
     auto timer = std::make_shared<boost::asio::steady_timer>(context, std::chrono::milliseconds(50));
     timer->async_wait([this, timer](const error_code& error) {
@@ -59,7 +59,7 @@ struct HttpServer::Server {
   void take(tcp::socket socket) {
     connections.remove_if([](const std::weak_ptr<Connection>& one) { return rank_of(one) < 0; });
     if (connections.size() >= host.options.max_connections) {
-      const auto least = std::ranges::min_element(connections, {}, rank_of);  // of equal ones the oldest
+      const auto least = std::ranges::min_element(connections, {}, rank_of);  // among equal ranks the oldest
       if (rank_of(*least) >= kNeverEvicted) return;
       least->lock()->close();
       connections.erase(least);

@@ -123,7 +123,7 @@ namespace {
 
 constexpr std::size_t kLongestPem = 1'000'000;
 
-// OpenSSL's words are about its own parts ("no start line"), and about a file that cannot be opened it has none.
+// OpenSSL's messages name its own parts ("no start line"), and it has no message for a file that cannot be opened.
 std::string pem_in(const std::string& file, const char* what) {
   std::error_code unknown;
   if (std::filesystem::is_directory(file, unknown))
@@ -132,13 +132,14 @@ std::string pem_in(const std::string& file, const char* what) {
   const int number = errno;
   if (!stream)
     refuse_for_tls(file, fmt::format("it cannot be read: {}", std::strerror(number)),
-                   number == EACCES ? fmt::format("let the user who starts the page read it (ls -l {})", file)
-                                    : fmt::format("check the name: --tls takes the {} as a file in PEM", what));
+                   number == EACCES
+                       ? fmt::format("give the user who starts the page the right to read it (ls -l {})", file)
+                       : fmt::format("check the name: --tls takes the {} as a file in PEM", what));
   std::string text(kLongestPem + 1, '\0');
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<std::size_t>(stream.gcount()));
   if (text.size() > kLongestPem)
-    refuse_for_tls(file, "it is longer than 1 MB", fmt::format("check the name: it is no {} in PEM", what));
+    refuse_for_tls(file, "it is longer than 1 MB", fmt::format("check the name: it is not a {} in PEM", what));
   if (text.find("-----BEGIN ") == std::string::npos)
     refuse_for_tls(file, "it is not in PEM: it has no line -----BEGIN",
                    fmt::format("of a {} in DER: openssl x509 or pkey -inform DER -in {} -out NAME.pem", what, file));
@@ -166,12 +167,12 @@ std::unique_ptr<boost::asio::ssl::context> tls_context(const std::string& certif
   made->set_password_callback([](std::size_t, context::password_purpose) { return std::string(); });
   if (secret.find("ENCRYPTED") != std::string::npos)
     refuse_for_tls(key, "the private key has a passphrase",
-                   fmt::format("take it off, in a file that only you read: openssl pkey -in {} -out NAME.key", key));
+                   fmt::format("remove it, in a file that only you can read: openssl pkey -in {} -out NAME.key", key));
   error_code error;
   made->use_certificate_chain(boost::asio::buffer(chain), error);
   if (error)
     refuse_for_tls(certificate, reason_of(error),
-                   fmt::format("see what it holds: openssl x509 -in {} -noout -text", certificate));
+                   fmt::format("see its contents: openssl x509 -in {} -noout -text", certificate));
   made->use_private_key(boost::asio::buffer(secret), context::pem, error);
   if (error)
     refuse_for_tls(key,

@@ -8,7 +8,7 @@
 #include <memory>
 #include <string>
 #include <utility>
-#include <utility>  // before asio, which forgets it
+#include <utility>  // before asio, which does not include it
 #include <vector>
 
 namespace tactbench::bench {
@@ -16,7 +16,7 @@ namespace tactbench::bench {
 struct HttpRequest {
   std::string method, path;                   // path: without the query, as sent
   std::map<std::string, std::string> query;   // decoded
-  std::map<std::string, std::string> fields;  // names in lower case; of a name sent twice the texts with ", " between
+  std::map<std::string, std::string> fields;  // names in lower case; the values of a repeated name are joined by ", "
   std::string body;
   std::string from;  // the client's address
 
@@ -34,17 +34,17 @@ struct HttpResponse {
   std::string type = "text/plain; charset=utf-8";
   SharedText body = {};  // null: empty
   std::vector<std::pair<std::string, std::string>> fields = {};
-  bool stream = false;  // the body, then the events of HttpServer::publish() until the client goes
+  bool stream = false;  // the body, then the events of HttpServer::publish() until the client disconnects
 };
 
 inline HttpResponse text_response(int status, std::string text) {
   return {.status = status, .body = std::make_shared<const std::string>(std::move(text))};
 }
 
-// Called once, at once or later, on the server's thread.
+// To be called exactly once, immediately or later, on the server's thread.
 using Reply = std::function<void(HttpResponse)>;
 
-// Names of fields and hosts mean the same in any case: "Host" -> "host".
+// Names of header fields and hosts are case-insensitive: "Host" -> "host".
 std::string lower_case(std::string text);
 // "a%20b" -> "a b"; a broken escape stays as it is.
 std::string url_decoded(const std::string& text);
@@ -57,9 +57,9 @@ class Wire {
  public:
   using Done = std::function<void(bool ok, std::size_t bytes)>;
   virtual ~Wire() = default;
-  virtual void open(Done done) = 0;  // TLS: shakes hands
+  virtual void open(Done done) = 0;  // TLS: performs the handshake
   virtual void read(char* bytes, std::size_t size, Done done) = 0;
-  virtual void write(const std::vector<boost::asio::const_buffer>& buffers, Done done) = 0;  // all of them
+  virtual void write(const std::vector<boost::asio::const_buffer>& buffers, Done done) = 0;  // writes all of them
   virtual boost::asio::ip::tcp::socket& socket() = 0;
 };
 

@@ -25,7 +25,8 @@ Control::Answer Control::ask(Command command, const std::string& who) {
       return {false, fmt::format("run {} is {} already", status_.run, to_string(ending))};
     }
     if (finished_ && command < Command::kAbort) {
-      return {false, fmt::format("run {} has done all its steps: it vents, retracts, proves it and ends", status_.run)};
+      return {false, fmt::format("run {} has done all its steps: it vents, retracts, proves the safe state and ends",
+                                 status_.run)};
     }
     if (command == Command::kPause) {
       if (state == RunState::kPaused) return {false, fmt::format("run {} is paused already", status_.run)};
@@ -40,15 +41,16 @@ Control::Answer Control::ask(Command command, const std::string& who) {
       pause_ = false;
       resume_ = true;
       answer.text = fmt::format("run {} continues: {}", status_.run,
-                                !status_.question.empty()    ? "it takes this as the answer to: " + status_.question
+                                !status_.question.empty()    ? "it accepts this as the answer to: " + status_.question
                                 : state == RunState::kPaused ? "conditioned again, then the next branch"
-                                                             : "the pause is taken back");
+                                                             : "the pause is revoked");
     } else {
       if (command > command_) end_requested_by_ = who;
       command_ = std::max(command_, command);
       panic = command == Command::kPanic;
-      answer.text = fmt::format("run {} ends: {}", status_.run,
-                                panic ? "vented and halted past the sequencer" : "vents, retracts and proves it");
+      answer.text =
+          fmt::format("run {} ends: {}", status_.run,
+                      panic ? "vented and halted without the sequencer" : "vents, retracts and proves the safe state");
     }
     who_ = who;
   }
@@ -59,13 +61,13 @@ Control::Answer Control::ask(Command command, const std::string& who) {
 Control::Answer Control::answer(int question, const std::string& text, const std::string& who) {
   const std::lock_guard lock(mutex_);
   if (closed_ || status_.state == RunState::kStopping || status_.state == RunState::kEnded)
-    return {false, fmt::format("run {} is ending: it waits for no answer", status_.run)};
+    return {false, fmt::format("run {} is ending and does not wait for an answer", status_.run)};
   return accept_answer(question, text, who);
 }
 
 Control::Answer Control::accept_answer(int question, const std::string& text, const std::string& who) {
   if (answer_ && answer_->question == question)
-    return {false, fmt::format("question {} has its answer already, by {}", question, answer_->who)};
+    return {false, fmt::format("question {} was already answered by {}", question, answer_->who)};
   if (status_.question.empty() || status_.question_id != question)
     return {false, fmt::format("run {} does not wait for an answer to question {}", status_.run, question)};
   answer_ = GivenAnswer{question, text, who};

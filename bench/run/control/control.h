@@ -1,5 +1,5 @@
-// Commands of people and signals to a live run. Any thread may request; only the sequencer's thread acts, at its next
-// wait.
+// Commands and signals to a live run. Any thread may request a command; only the sequencer's thread carries it out, at
+// its next wait.
 #pragma once
 
 #include <atomic>
@@ -15,14 +15,14 @@
 
 namespace tactbench::bench {
 
-// Every way out vents and retracts; they differ in the run's outcome and in urgency.
+// Every command that ends the run vents and retracts; the commands differ in the run's outcome and in urgency.
 enum class Command {
   kStatus,
   kPause,   // continues to the end of the branch, then vents and waits
   kResume,  // a paused run continues: conditioned again, from the next branch
-  kStop,    // ends now; what was measured counts (outcome stopped)
-  kAbort,   // ends now; somebody saw something wrong (outcome aborted)
-  kPanic,   // vents and halts at once, past the sequencer; latches a trip
+  kStop,    // ends now; the measured data count (outcome stopped)
+  kAbort,   // ends now, because something is wrong (outcome aborted)
+  kPanic,   // vents and halts immediately, without the sequencer; latches a trip
 };
 const char* to_string(Command command);
 
@@ -41,51 +41,54 @@ class Control {
   };
   // Answers from the present status; never waits for the sequencer.
   Answer ask(Command command, const std::string& who);
-  // Answers the question with that number, from any client. The first answer is accepted; a later one is refused and
-  // told who gave the first.
+  // Answers the question with that number, from any client. The first answer is accepted; a later one is refused, with
+  // the name of the person who gave the first.
   Answer answer(int question, const std::string& text, const std::string& who);
   // Grows with each publish() and see().
   [[nodiscard]] std::uint64_t news() const { return news_.load(std::memory_order_relaxed); }
   [[nodiscard]] RunStatus status() const;
-  // Called at once, on the asking thread, at a panic. Set before the socket opens.
+  // Sets the action that a panic starts immediately, on the requesting thread. To be set before the socket opens.
   void on_panic(std::function<void()> action) { panic_ = std::move(action); }
 
-  // Without an operator who could resume the run after a pause: the first Ctrl-C ends it. Set before it begins.
+  // For a run without an operator who could resume it after a pause: the first Ctrl-C ends it. To be set before the run
+  // begins.
   void end_by_first_interrupt() { interrupts_that_end_ = 1; }
 
   // The sequencer's side. poll() throws RunEndRequested when the run is to end; otherwise it turns signals into
   // commands.
   void poll(const StopRequest& signals);
-  // The RunEndRequested that poll() would throw: a panic before signals before other commands. None: the run continues.
+  // The RunEndRequested that poll() would throw: a panic has precedence over signals, and signals over other commands.
+  // None: the run continues.
   [[nodiscard]] std::optional<RunEndRequested> asked(const StopRequest& signals) const;
-  // All steps are done. Throws RunEndRequested for commands until now; a later pause or stop is answered as too late.
-  // Abort and panic are still accepted.
+  // To be called when all steps are done. Throws RunEndRequested for commands received so far; a later pause or stop is
+  // answered as too late. Abort and panic are still accepted.
   void finish(const StopRequest& signals);
-  // From now on no command is accepted; returns the one until now.
+  // From now on no command is accepted; returns the last one accepted.
   std::optional<RunEndRequested> close(const StopRequest& signals);
   [[nodiscard]] bool pause_wanted() const;
   // True once after a resume.
   [[nodiscard]] bool consume_resume();
-  // To the question published with that number; none yet. A resume is an answer without text.
+  // The answer to the question with that number; none: not answered yet. A resume is an answer without text.
   [[nodiscard]] std::optional<GivenAnswer> answer_to(int question) const;
-  // Readings are kept as see() gave them.
+  // Keeps the readings that see() gave.
   void publish(const RunStatus& status);
   // Never waits: while another thread reads the status, these readings are dropped and the next ones are used.
   void see(const RunReadings& readings);
-  [[nodiscard]] std::string who() const;  // asked last
+  [[nodiscard]] std::string who() const;  // source of the last command
 
  private:
-  [[nodiscard]] std::optional<RunEndRequested> leave(const StopRequest& signals) const;  // under the lock
-  Answer accept_answer(int question, const std::string& text, const std::string& who);   // likewise
+  [[nodiscard]] std::optional<RunEndRequested> leave(const StopRequest& signals) const;  // with the lock held
+  Answer accept_answer(int question, const std::string& text, const std::string& who);   // with the lock held
   mutable std::mutex mutex_;
   RunStatus status_;
-  std::chrono::steady_clock::time_point told_ = std::chrono::steady_clock::now();  // by publish() or see()
+  std::chrono::steady_clock::time_point told_ =
+      std::chrono::steady_clock::now();  // time of the last publish() or see()
   bool finished_ = false, closed_ = false;
-  Command command_ = Command::kStatus;  // the strongest asked so far; kStatus: nothing
+  Command command_ = Command::kStatus;  // the strongest command so far; kStatus: none
   bool pause_ = false, resume_ = false;
-  int interrupts_seen_ = 0, interrupts_answered_ = 0;  // answered: the pause was taken back or ended
+  int interrupts_seen_ = 0, interrupts_answered_ = 0;  // answered: the pause was revoked or ended
   int interrupts_that_end_ = 2;
-  std::string who_, end_requested_by_;  // asked last; asked for the end
+  std::string who_, end_requested_by_;  // source of the last command; source of the command that ends the run
   std::optional<GivenAnswer> answer_;   // the last one
   std::atomic<std::uint64_t> news_{0};
   std::function<void()> panic_;

@@ -50,7 +50,7 @@ namespace {
 
 std::string bench_part(const std::string& name) { return name.substr(0, name.find('/')); }
 
-// "BENCH/run/7" beside "BENCH": 7; none is 0.
+// 7 for "BENCH/run/7"; 0 if there is no such name.
 std::int64_t claimed_run(const std::string& name, const std::vector<std::string>& held) {
   const std::string prefix = name + "/run/";
   for (const std::string& other : held) {
@@ -99,7 +99,7 @@ class Asking {
       hang_up();
       return;
     }
-    // A server that hangs up at once may have sent something before.
+    // A server that closes the connection immediately may have sent data before.
     (void)::send(descriptor_, word_.data(), word_.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
     state_ = State::kAsked;
   }

@@ -1,4 +1,4 @@
-// The client's side of the commands: finds the live runs of this machine and gets their answers. All are asked in
+// The client's side of the commands: finds the live runs of this machine and collects their answers. All are queried in
 // parallel, so that a stopped process does not delay the others.
 #pragma once
 
@@ -20,21 +20,22 @@ struct LiveRun {
   std::string bench;  // its id
   Peer server;
   RunStatus status;
-  bool taken = false;   // of the command sent
+  bool taken = false;   // the command was accepted
   bool denied = false;  // the caller may not command it; `text` holds the reason, `status` is empty
   std::string text;     // the answer
 };
 
-// Parses a server's text; none: not the answer of a run.
+// Parses the text from a server; none: it is not the answer of a run.
 std::optional<LiveRun> read_answer(const std::string& name, const Peer& server, const std::string& text);
 
 // A bench whose name is held by a process that did not answer.
 struct SilentBench {
-  std::string name, bench;  // bench: its id as far as the name shows it
+  std::string name, bench;  // bench: its id as far as it can be read from the name
   std::int64_t run = 0;     // 0: not known
   std::optional<Peer> server;
-  bool stranger = false;  // not trusted: neither root, nor the caller's user, nor a member of the group
-  bool lied = false;      // it did answer, and carries out no run of the store that it names
+  bool stranger =
+      false;          // not trusted: the process does not belong to root, the caller's user or a member of the group
+  bool lied = false;  // it answered, but does not carry out a run of the store that it names
 };
 
 struct RunReplies {
@@ -49,23 +50,23 @@ struct ListenOptions {
   // Waits at most `longest`; once a `wanted` answer has come, at most `stragglers` more.
   std::chrono::milliseconds stragglers{200}, longest{2000};
   std::function<bool(const LiveRun&)> wanted;  // empty: any
-  std::function<bool(const LiveRun&)> enough;  // after this no further answer is needed; empty: none
-  std::optional<Peer> known;                   // was believed before: it may be ending now
+  std::function<bool(const LiveRun&)> enough;  // true for an answer after which no further one is needed; empty: never
+  std::optional<Peer> known;                   // process that was trusted before: it may be ending now
 };
 
-// Sends `command` to the runs with these names and collects the answers. Untrusted processes count as silent: root asks
-// them, but believes only those that carry out a run of the store that they name (locks.h); other users do not ask
-// them.
+// Sends `command` to the runs with these names and collects the answers. Untrusted processes count as silent: root
+// queries them, but trusts only those that carry out a run of the store that they name (locks.h); other users do not
+// query them.
 RunReplies send_to_runs(const std::vector<std::string>& names, Command command, const ListenOptions& options = {});
 
-// The same to one; none: no answer that is believed.
+// The same for one run; none: no trusted answer.
 std::optional<LiveRun> send_command(const std::string& name, Command command, const std::optional<Peer>& known = {});
 
 // Requests of a client of the control socket, one packet of text each: a command word with its arguments, and on a
-// second line the person on whose behalf the client asks. `follow`: sends the run's status repeatedly. `answer ID
-// TEXT`: answers the question with that number. All other words are commands (control.h).
+// second line the person for whom the client asks. `follow`: sends the run's status repeatedly. `answer ID TEXT`:
+// answers the question with that number. All other words are commands (control.h).
 
-inline constexpr std::size_t kMaxRequestBytes = 2048;  // bytes of a packet; what is longer is cut
+inline constexpr std::size_t kMaxRequestBytes = 2048;  // bytes of a packet; longer text is cut
 inline constexpr std::size_t kMaxReplyColumns = 300;   // columns of an answer's text
 inline constexpr std::size_t kMaxBehalfColumns = 120;  // columns of the name for whom a client asks
 
@@ -73,9 +74,9 @@ enum class ClientRequestKind { kCommand, kFollow, kAnswer };
 
 struct ClientRequest {
   ClientRequestKind word = ClientRequestKind::kCommand;
-  Command command = Command::kStatus;  // of kCommand; an unknown word asks for the status
-  int question = 0;                    // of kAnswer; 0: not a number, which no question has
-  std::string text;                    // of kAnswer, one line
+  Command command = Command::kStatus;  // for kCommand; an unknown word requests the status
+  int question = 0;                    // for kAnswer; 0: not a valid number
+  std::string text;                    // for kAnswer, one line
   std::string behalf;                  // "bob on the page, from 127.0.0.1"; empty: the client itself asks
 };
 

@@ -31,7 +31,7 @@ constexpr int kAcceptedAtOnce = 16;
 constexpr int kShortOfDescriptorsMs = 20;
 constexpr std::ptrdiff_t kMostFollowers = 16;
 constexpr int kFollowMs = 50;                          // between two statuses to a follower
-constexpr std::chrono::milliseconds kSignOfLife{500};  // one without news
+constexpr std::chrono::milliseconds kSignOfLife{500};  // a status without changes
 constexpr std::chrono::seconds kFollowerSilent{30};    // one that reads nothing for so long is dropped
 constexpr int kUnreadBytes = 16 * 1024;                // that wait for a follower; the kernel takes twice as much
 
@@ -151,22 +151,22 @@ void ControlSocket::make_room() {
 }
 
 std::string ControlSocket::reply(const Client& client, const Control::Answer& answer) const {
-  nlohmann::json told{{"bench", bench_}, {"denied", !client.trusted}};
+  nlohmann::json message{{"bench", bench_}, {"denied", !client.trusted}};
   if (client.trusted) {
-    told.update({{"taken", answer.taken}, {"text", one_line(answer.text, kMaxAnswerColumns)}});
-    add_status_json(told, control_.status());
+    message.update({{"taken", answer.taken}, {"text", one_line(answer.text, kMaxAnswerColumns)}});
+    add_status_json(message, control_.status());
   } else {
-    told["text"] = answer.text;
+    message["text"] = answer.text;
   }
-  return analysis::printable_json(told);
+  return analysis::printable_json(message);
 }
 
 bool ControlSocket::answer(Client& client) {
   std::array<char, kMaxRequestBytes> bytes{};
   const ssize_t size = ::recv(client.descriptor, bytes.data(), bytes.size(), MSG_DONTWAIT);
   if (size < 0 && (errno == EAGAIN || errno == EINTR)) return false;
-  if (size <= 0 || client.follows) return true;  // who follows has nothing more to say
-  // A look into a file: not for each that comes.
+  if (size <= 0 || client.follows) return true;  // a follower sends nothing more
+  // Reads a file, so not for each client.
   std::string who = client.peer ? peer_text(*client.peer) : "unknown";
   Control::Answer answer;
   if (client.trusted) {

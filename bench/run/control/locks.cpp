@@ -55,7 +55,7 @@ BenchLock::BenchLock(const BenchConfig& config)
   const MachineName dead_man = dead_man_name(config.id, kDeadManEnds);
   if (dead_man.held()) return;
   refuse_bench(
-      fmt::format("the dead-man ({}) of the run before is still making bench '{}' safe", dead_man.owner(), config.id),
+      fmt::format("the dead-man ({}) of the previous run is still making bench '{}' safe", dead_man.owner(), config.id),
       dead_man, "inspect the rig: the chamber may hold pressure; then try again");
 }
 
@@ -69,7 +69,7 @@ std::string lock_path(const std::string& db_path) {
   return std::filesystem::weakly_canonical(db_path).string() + kEnding;
 }
 
-// As SQLite does for its own files beside the store: the same users may write them.
+// As SQLite does for its own files next to the store: the same users may write them.
 int make_lock_file(const std::string& path, const std::string& db_path) {
   struct stat store {};
   if (::stat(db_path.c_str(), &store) != 0) return -1;
@@ -96,7 +96,7 @@ int open_lock_file(const std::string& path, const std::string& db_path) {
 StoreLocks::StoreLocks(const std::string& db_path) : path_(lock_path(db_path)), file_(open_lock_file(path_, db_path)) {
   struct stat found {};
   if (file_ >= 0 && ::fstat(file_, &found) == 0 && S_ISREG(found.st_mode)) return;
-  const std::string why = file_ >= 0 ? "it is no file" : std::strerror(errno);
+  const std::string why = file_ >= 0 ? "it is not a file" : std::strerror(errno);
   if (file_ >= 0) ::close(file_);
   throw Error("TB-STORE-LOCK", "the store's lock file cannot be used: " + why, path_);
 }
@@ -128,7 +128,7 @@ void StoreLocks::share(std::chrono::milliseconds longest) const {
   if (take_within(kWhole, false, longest)) return;
   throw Error("TB-STORE-LOCK",
               fmt::format("another start has held the store for {:g} s", static_cast<double>(longest.count()) / 1000.0),
-              path_, "see what has the store open, and try again");
+              path_, "find the process that has the store open, and try again");
 }
 
 void StoreLocks::take_run(std::int64_t run, std::chrono::milliseconds longest) const {
@@ -171,7 +171,7 @@ std::optional<bool> is_carried_out(const std::string& db_path, std::int64_t run)
 }
 
 bool carries_out_run_of(const Peer& process, const std::string& db_path) {
-  constexpr int kMost = 256;  // descriptors that are looked at: a run opens this one early, a stranger may have many
+  constexpr int kMost = 256;  // descriptors examined: a run opens this one early, and a foreign process may have many
   const std::filesystem::path folder = fmt::format("/proc/{}", process.process);
   struct stat lock {
   }, found{};

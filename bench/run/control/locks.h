@@ -1,5 +1,5 @@
-// Locks of a run: one run per bench at a time on this machine, and one process per run of a store. The
-// next start learns from them that an unended run of a store has no living process.
+// Locks of a run: one run per bench at a time on this machine, and one process per run of a store. The next start uses
+// them to find unended runs of a store that have no living process.
 #pragma once
 
 #include <chrono>
@@ -15,13 +15,13 @@
 
 namespace tactbench::bench {
 
-// Held by a bench's dead-man as long as it lives, so that the dead-man of a killed run never vents what the next run
-// fills. Waits at most `longest` (real time) for the lock; not held: another dead-man still works.
+// Name held by a bench's dead-man as long as it lives, so that the dead-man of a killed run never vents the chamber of
+// the next run. Waits at most `longest` (real time) for it; if it is not held, another dead-man is still active.
 MachineName dead_man_name(const std::string& bench_id, devices::Nanoseconds longest);
 
-// Holds the bench for this process until the object is destroyed; its run answers commands on the same name. Waits, at
-// most 15 s, for a dead-man that still makes the bench safe. Throws Error TB-BENCH-LOCKED, which names process, run and
-// store of the bench's holder. A bench simulated inside this process is not shared and needs no lock.
+// Holds the bench for this process until the object is destroyed; its run answers commands on the same name. Waits at
+// most 15 s for a dead-man that is still making the bench safe. Throws Error TB-BENCH-LOCKED with the process, run and
+// store that hold the bench. A bench simulated inside this process is not shared and needs no lock.
 class BenchLock {
  public:
   explicit BenchLock(const BenchConfig& config);
@@ -32,39 +32,39 @@ class BenchLock {
 };
 
 // Locks on the file STORE-lock next to the store, one byte each: every process that can open the store sees them, and
-// they end with their process. Locks on the store itself would release SQLite's when that file is closed. The lock file
-// is empty, has the store's mode and owner, and stays.
+// they end with their process. Locks on the store itself would release SQLite's locks when that file is closed. The
+// lock file is empty, has the store's mode and owner, and is not removed.
 class StoreLocks {
  public:
-  explicit StoreLocks(const std::string& db_path);  // takes none. Throws Error TB-STORE-LOCK
+  explicit StoreLocks(const std::string& db_path);  // takes no lock. Throws Error TB-STORE-LOCK
   ~StoreLocks();
   StoreLocks(const StoreLocks&) = delete;
   StoreLocks& operator=(const StoreLocks&) = delete;
-  // True when no process writes a run to this store; none can begin while this is held. Does not wait.
+  // True when no process writes a run to this store; no run can begin while this lock is held. Does not wait.
   [[nodiscard]] bool try_lock_store() const { return take(kWhole, true); }
-  // Held while a run writes to the store; shared by several runs. Waits for a start that searches for dead runs; throws
-  // Error TB-STORE-LOCK when that takes longer than `longest`.
+  // Lock held while a run writes to the store; shared by several runs. Waits while another start searches for dead
+  // runs; throws Error TB-STORE-LOCK if that takes longer than `longest`.
   void share(std::chrono::milliseconds longest) const;
   // Locks the run for this process. Throws Error TB-RUN-LIVE when another process still holds it after `longest`.
   void take_run(std::int64_t run, std::chrono::milliseconds longest) const;
-  // Makes the lock file again if it was removed or replaced (it is empty and looks like rubbish). True: another one was
-  // made and holds the same locks. Throws as share() and take_run() where another process was quicker.
+  // Recreates the lock file if it was removed or replaced: people delete it because it is empty. True: a new one was
+  // made and holds the same locks. Throws as share() and take_run() if another process was faster.
   bool renew(std::int64_t run);
 
  private:
-  static constexpr std::int64_t kWhole = 0;  // a run's byte is at its number
+  static constexpr std::int64_t kWhole = 0;  // the byte of a run is at its number
   [[nodiscard]] bool take(std::int64_t byte, bool exclusive) const;
   [[nodiscard]] bool take_within(std::int64_t byte, bool exclusive, std::chrono::milliseconds longest) const;
   std::string path_;
   int file_ = -1;
 };
 
-// Held for a whole run: shares the store before the run's row is made or opened again, then locks the run itself.
+// Held for a whole run: shares the store before the run's row is made or reopened, then locks the run itself.
 class RunLock {
  public:
   explicit RunLock(const std::string& db_path);  // Throws Error TB-STORE-LOCK
-  void lock_new_run(std::int64_t run) const;     // whose row was just made
-  // A run to be resumed. Throws Error TB-RUN-LIVE at once when another process carries it out.
+  void lock_new_run(std::int64_t run) const;     // a run whose row was just made
+  // For a run to be resumed. Throws Error TB-RUN-LIVE immediately if another process carries it out.
   void lock_for_resume(std::int64_t run) const;
   bool renew(std::int64_t run) { return locks_.renew(run); }
 
@@ -75,7 +75,8 @@ class RunLock {
 // Whether a process carries out that run of the store now; takes no lock. None: no readable lock file.
 std::optional<bool> is_carried_out(const std::string& db_path, std::int64_t run);
 // Whether that process carries out a run of the store: according to the kernel it holds a lock that only a process with
-// write access to the store can take. Also false where the kernel does not tell; root can learn it of any process.
+// write access to the store can take. Also false if the kernel does not show its locks; root can see those of any
+// process.
 bool carries_out_run_of(const Peer& process, const std::string& db_path);
 
 // Opens the store for a run: FULL durability on hardware, NORMAL under the manual clock. If no process writes a run to

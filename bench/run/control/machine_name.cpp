@@ -64,7 +64,7 @@ MachineName::MachineName(const std::string& what) : text_(what) {
   if (descriptor_ >= 0) ::close(descriptor_);
   descriptor_ = -1;
   if (why == EADDRINUSE) return;
-  throw Error("TB-BENCH-NAME", fmt::format("the system gives no socket: {}", std::strerror(why)), shown_name(what),
+  throw Error("TB-BENCH-NAME", fmt::format("the system refuses a socket: {}", std::strerror(why)), shown_name(what),
               "check the limits of open files (ulimit -n) and memory");
 }
 

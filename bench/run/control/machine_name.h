@@ -1,8 +1,8 @@
-// Names that one process at a time can hold on this machine, whichever user or login it belongs to: abstract sockets of
-// the kernel. Such a name needs no folder and no file, so that no user can remove, replace or link it, and it ends with
+// Names that only one process at a time can hold on this machine, for all users and logins: abstract sockets of the
+// kernel. Such a name needs no folder and no file, so no user can remove, replace or link it, and it disappears with
 // its process. Any user can take a free name and so block a bench; the error then names that user. One network
 // namespace is one machine: a container needs the host's (docker run --network host). TACTBENCH_RUNTIME_DIR names a
-// folder of this user, closed to all others; programs with this setting use names of their own: for tests and parallel
+// folder of this user, closed to all others; programs with this setting use separate names: for tests and parallel
 // simulated rigs, never for a real rig.
 #pragma once
 
@@ -14,8 +14,8 @@ namespace tactbench::bench {
 class MachineName {
  public:
   MachineName() = default;
-  // Takes "BENCH", "BENCH/dead-man" or such, if it is free, and listens there for connections. Throws Error
-  // TB-BENCH-NAME where the system gives none, TB-FOLDER-UNSAFE for TACTBENCH_RUNTIME_DIR.
+  // Takes a name such as "BENCH" or "BENCH/dead-man", if it is free, and listens there for connections. Throws Error
+  // TB-BENCH-NAME if the system refuses, TB-FOLDER-UNSAFE for TACTBENCH_RUNTIME_DIR.
   explicit MachineName(const std::string& what);
   ~MachineName();
   MachineName(MachineName&& other) noexcept;
@@ -32,7 +32,7 @@ class MachineName {
 
 // All names held within this scope, sorted, without their common prefix: "BENCH", "BENCH/dead-man".
 std::vector<std::string> held_names();
-// As the system lists it: "@tactbench/BENCH".
+// The name as the system lists it: "@tactbench/BENCH".
 std::string shown_name(const std::string& what);
 
 // A socket that connects to `what` without waiting, -1 and errno: ECONNREFUSED the name is free, EAGAIN the queue of

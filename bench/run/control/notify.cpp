@@ -14,7 +14,7 @@ namespace tactbench::bench {
 void Notify::tell(const std::string& event, std::int64_t run, const std::string& reason) const {
   if (command_.empty()) return;
   ChildStart shell;
-  // In the background of a shell of its own, which ends at once: the command may take any time and leaves no child
+  // In the background of a separate shell, which ends immediately: the command may take any time and leaves no child
   // process behind.
   shell.words = {"/bin/sh", "-c", "(" + command_ + "\n) </dev/null >&2 &"};
   // Replaces those of a run that started this program.

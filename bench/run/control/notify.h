@@ -1,4 +1,4 @@
-// --on-event: runs a command of the user when a run is done, has failed or waits for a person.
+// --on-event: runs the user's command when a run is done, has failed or waits for a person.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // The progress line on standard error: on a terminal one line renewed at 10 Hz, otherwise (or with CI set) a plain line
-// every 10 s, and one when another phase has begun and a second has passed since the line before.
+// every 10 s and at the start of a phase, if a second has passed since the previous line.
 #pragma once
 
 #include <chrono>
@@ -15,7 +15,7 @@ namespace tactbench::bench {
 std::string progress_line(const RunStatus& status, double left_s,
                           analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
 
-// The time left by the pace so far, counted again where the work went back to an earlier step or has rested.
+// Estimates the time left from the pace so far; starts again if the work went back to an earlier step or has rested.
 class Pace {
  public:
   using Clock = std::chrono::steady_clock;
@@ -32,13 +32,13 @@ class Progress {
  public:
   enum class Mode { kQuiet, kPlain, kTerminal };
   explicit Progress(Mode mode, analysis::PressureUnit unit = analysis::PressureUnit::kPsi) : mode_(mode), unit_(unit) {}
-  // kTerminal or kPlain by what standard error is; kQuiet when asked.
+  // kTerminal or kPlain, depending on standard error; kQuiet if `quiet`.
   static Mode mode_for(bool quiet);
-  // Whether show() should be called now. In real time a run's first phase is shown at once.
+  // Whether show() should be called now. In real time a run's first phase is shown immediately.
   [[nodiscard]] bool due(const RunStatus& status) const;
-  // Where process time says nothing about real time, the time left follows from the pace so far.
+  // If process time has no fixed ratio to real time, the time left is estimated from the pace so far.
   void show(const RunStatus& status);
-  // A line that stays, for what a person has to know now. Shown in every mode.
+  // Prints a permanent line that the operator must see. Shown in every mode.
   void note(const std::string& text);
   void finish();
 

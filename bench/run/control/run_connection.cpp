@@ -21,7 +21,7 @@ RunConnection::RunConnection(std::string name, const std::string& words, const s
     return;
   }
   server_ = *server;
-  // A run that hangs up at once may have sent something before.
+  // A run that closes the connection immediately may have sent data before.
   (void)::send(descriptor_, words.data(), words.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
 }
 

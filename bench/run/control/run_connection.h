@@ -1,5 +1,5 @@
-// Non-blocking connection to one live run: requests are sent at once, answers are polled. For a process that serves
-// others meanwhile (bench/page); control_client.h asks several runs and waits.
+// Non-blocking connection to one live run: requests are sent immediately, answers are polled. For a process with other
+// work meanwhile (bench/page); control_client.h queries several runs and waits.
 #pragma once
 
 #include <cstdint>
@@ -12,15 +12,15 @@ namespace tactbench::bench {
 
 class RunConnection {
  public:
-  // Connects to the name of a bench and sends `words` (control_client.h). Not open where nobody answers to the name, or
-  // a stranger (peer.h) that carries out no run of the store `db` (locks.h).
+  // Connects to the name of a bench and sends `words` (control_client.h). Not open if nobody listens on the name, or an
+  // untrusted process (peer.h) that does not carry out a run of the store `db` (locks.h).
   RunConnection(std::string name, const std::string& words, const std::string& db = {});
   ~RunConnection();
   RunConnection(const RunConnection&) = delete;
   RunConnection& operator=(const RunConnection&) = delete;
   [[nodiscard]] bool open() const { return descriptor_ >= 0; }
-  [[nodiscard]] int descriptor() const { return descriptor_; }  // readable once something has come
-  // The newest answer that has come; older ones are dropped. Once the run has hung up the connection is closed.
+  [[nodiscard]] int descriptor() const { return descriptor_; }  // readable once data has arrived
+  // The newest answer received; older ones are dropped. Once the run has closed its side, the connection is closed.
   std::optional<LiveRun> newest();
 
  private:

@@ -23,56 +23,56 @@ RunState state_of(const std::string& text) {
 
 std::string stage_of(const std::string& phase) { return phase.substr(0, phase.find(", step ")); }
 
-void add_status_json(nlohmann::json& told, const RunStatus& status) {
-  told.update({{"run", status.run},
-               {"state", to_string(status.state)},
-               JSON_FIELDS(status, store, label),
-               {"reason", one_line(status.reason, kMaxAnswerColumns)},
-               {"question", one_line(status.question, kMaxAnswerColumns)},
-               {"question_id", status.question_id},
-               {"phase", one_line(status.phase, kMaxAnswerColumns)},
-               JSON_FIELDS(status, step, steps, frames, frames_void, frames_planned, left_s, left_low_s, left_high_s,
-                           prompts_left, rate, age_s)});
+void add_status_json(nlohmann::json& object, const RunStatus& status) {
+  object.update({{"run", status.run},
+                 {"state", to_string(status.state)},
+                 JSON_FIELDS(status, store, label),
+                 {"reason", one_line(status.reason, kMaxAnswerColumns)},
+                 {"question", one_line(status.question, kMaxAnswerColumns)},
+                 {"question_id", status.question_id},
+                 {"phase", one_line(status.phase, kMaxAnswerColumns)},
+                 JSON_FIELDS(status, step, steps, frames, frames_void, frames_planned, left_s, left_low_s, left_high_s,
+                             prompts_left, rate, age_s)});
   if (status.answer)
-    told["answer"] = {{"question", status.answer->question},
-                      {"text", one_line(status.answer->text, kMaxAnswerColumns)},
-                      {"who", one_line(status.answer->who, kMaxAnswerColumns)}};
-  if (status.target_n) told["target_n"] = *status.target_n;
+    object["answer"] = {{"question", status.answer->question},
+                        {"text", one_line(status.answer->text, kMaxAnswerColumns)},
+                        {"who", one_line(status.answer->who, kMaxAnswerColumns)}};
+  if (status.target_n) object["target_n"] = *status.target_n;
   if (!status.readings) return;
   const RunReadings& now = *status.readings;
-  nlohmann::json& readings = told["readings"];
+  nlohmann::json& readings = object["readings"];
   readings = {JSON_FIELDS(now, time_s, setpoint_psi, feedback_psi, reference_psi, settled)};
   if (now.force_n) readings["force_n"] = *now.force_n;
 }
 
-RunStatus status_from_json(const nlohmann::json& told) {
+RunStatus status_from_json(const nlohmann::json& object) {
   RunStatus status;
-  status.run = told.value("run", std::int64_t{0});
-  status.state = state_of(told.value("state", ""));
-  status.store = told.value("store", "");
-  status.label = told.value("label", "");
-  status.reason = told.value("reason", "");
-  status.question = told.value("question", "");
-  status.question_id = told.value("question_id", 0);
-  if (told.contains("answer")) {
-    const nlohmann::json& answer = told.at("answer");
+  status.run = object.value("run", std::int64_t{0});
+  status.state = state_of(object.value("state", ""));
+  status.store = object.value("store", "");
+  status.label = object.value("label", "");
+  status.reason = object.value("reason", "");
+  status.question = object.value("question", "");
+  status.question_id = object.value("question_id", 0);
+  if (object.contains("answer")) {
+    const nlohmann::json& answer = object.at("answer");
     status.answer = GivenAnswer{answer.value("question", 0), answer.value("text", ""), answer.value("who", "")};
   }
-  status.phase = told.value("phase", "");
-  status.step = told.value("step", 0);
-  status.steps = told.value("steps", 0);
-  status.frames = told.value("frames", std::int64_t{0});
-  status.frames_void = told.value("frames_void", std::int64_t{0});
-  status.frames_planned = told.value("frames_planned", std::int64_t{0});
-  status.left_s = told.value("left_s", 0.0);
-  status.left_low_s = told.value("left_low_s", 0.0);
-  status.left_high_s = told.value("left_high_s", 0.0);
-  status.prompts_left = told.value("prompts_left", 0);
-  status.rate = told.value("rate", 1.0);
-  status.age_s = told.value("age_s", 0.0);
-  if (told.contains("target_n")) status.target_n = told.at("target_n").get<double>();
-  if (!told.contains("readings")) return status;
-  const nlohmann::json& readings = told.at("readings");
+  status.phase = object.value("phase", "");
+  status.step = object.value("step", 0);
+  status.steps = object.value("steps", 0);
+  status.frames = object.value("frames", std::int64_t{0});
+  status.frames_void = object.value("frames_void", std::int64_t{0});
+  status.frames_planned = object.value("frames_planned", std::int64_t{0});
+  status.left_s = object.value("left_s", 0.0);
+  status.left_low_s = object.value("left_low_s", 0.0);
+  status.left_high_s = object.value("left_high_s", 0.0);
+  status.prompts_left = object.value("prompts_left", 0);
+  status.rate = object.value("rate", 1.0);
+  status.age_s = object.value("age_s", 0.0);
+  if (object.contains("target_n")) status.target_n = object.at("target_n").get<double>();
+  if (!object.contains("readings")) return status;
+  const nlohmann::json& readings = object.at("readings");
   RunReadings& now = status.readings.emplace();
   now.time_s = readings.value("time_s", 0.0);
   now.setpoint_psi = readings.value("setpoint_psi", 0.0);

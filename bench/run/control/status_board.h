@@ -1,4 +1,4 @@
-// The sequencer's side of a run's status: what it writes here goes to the progress line and to those who ask the run.
+// The sequencer's side of a run's status: it is shown in the progress line and sent to clients of the run.
 // One thread; nothing here waits for a reader.
 #pragma once
 
@@ -13,14 +13,14 @@ class StatusBoard {
  public:
   // Both must outlive this.
   StatusBoard(Control& control, Progress& progress) : control_(control), progress_(progress) {}
-  // To be changed freely; publish() then tells it. Readings come from the sequencer (Control::see).
+  // The status to be changed; publish() then sends it. Readings come from the sequencer (Control::see).
   [[nodiscard]] RunStatus& now() { return now_; }
   void publish();
-  // What the run does from now on, in words, published and shown.
+  // Sets the run's current activity in words, publishes and shows it.
   void phase(const std::string& words);
   // To be called often: renews the progress line when that is due.
   void refresh();
-  // All steps up to now().step are done: a last one is shown even when nothing is due.
+  // To be called when all steps up to now().step are done: the last step is always shown.
   void step_done();
   void note(const std::string& text) { progress_.note(text); }
   [[nodiscard]] Progress& progress() { return progress_; }

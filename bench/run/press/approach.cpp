@@ -17,8 +17,8 @@ constexpr int kBackOffs = 4;  // each twice as far as the one before
 
 [[noreturn]] void not_free(const PressAxis& axis, const ForceSample& reading, double limit_n) {
   throw Fault("TB-PRESS-NOT-FREE", "force sensor",
-              fmt::format("{:.2f} N at z = {:.3f} mm, where nothing should be touched (below {:g} N)", reading.force_n,
-                          axis.z_mm(), limit_n));
+              fmt::format("{:.2f} N at z = {:.3f} mm, where the indenter should not touch anything (below {:g} N)",
+                          reading.force_n, axis.z_mm(), limit_n));
 }
 
 void check_free(const PressAxis& axis, const ForceSample& reading, double limit_n) {

@@ -1,5 +1,5 @@
 // Finds the specimen's surface with the force sensor: moves down at constant speed until a force is measured, backs
-// off, then moves down in small steps, so that backlash is taken up on the loading side and the point of contact is
+// off, then moves down in small steps, so that backlash is removed on the loading side and the point of contact is
 // known to one step.
 #pragma once
 
@@ -8,18 +8,18 @@
 namespace tactbench::bench {
 
 struct ContactPoint {
-  double z_mm = 0.0;                // where the force begins, by the line through the last two readings
+  double z_mm = 0.0;                // where the force begins, extrapolated from the last two readings
   double uncertainty_mm = 0.0;      // half a step plus the distance extrapolated
-  double coarse_z_mm = 0.0;         // where the first touch stopped
-  double max_force_n = 0.0;         // greatest force of the approach, first touch included: the specimen's history
+  double coarse_z_mm = 0.0;         // where the first touch ended
+  double max_force_n = 0.0;         // greatest force of the approach, including the first touch
   double stiffness_n_per_mm = 0.0;  // at contact
-  ForceSample reading;              // where z is now, a step or two in contact
+  ForceSample reading;              // reading at the present z, one or two steps after contact
 };
 
 // Searches from `clear_z_mm`, which z approaches at travel speed, or from its position when that is nearer to the
 // specimen. Throws TB-PRESS-NO-CONTACT (searched to the deepest z), TB-PRESS-NOT-FREE (a force at the start, or still
-// after backing off), TB-PRESS-SIGN (pressing reads with the other sign: a servo would run away), TB-PRESS-NOT-HOMED
-// and those of stage and sensor. Time is bounded by the distance at approach speed.
+// after backing off), TB-PRESS-SIGN (the force has the opposite sign while pressing: a servo would run away),
+// TB-PRESS-NOT-HOMED and the faults of stage and sensor. Time is bounded by the distance at approach speed.
 [[nodiscard]] ContactPoint find_contact(PressAxis& axis, double clear_z_mm);
 
 }  // namespace tactbench::bench

@@ -15,8 +15,9 @@ using devices::Nanoseconds;
 
 namespace {
 
-constexpr double kAhead = 0.15;      // share by which stiffness may grow over the force it was measured over
-constexpr double kStiffening = 0.5;  // assumed exponent of stiffness over force while none is known: F ~ depth^2, cloth
+constexpr double kAhead = 0.15;  // share by which stiffness may grow over the force range of its measurement
+constexpr double kStiffening =
+    0.5;  // assumed exponent of stiffness over force while it is not known: F ~ depth^2, cloth
 constexpr double kMostStiffening = 0.7;
 constexpr double kFar = 1.3;             // times the force measured at: beyond, the exponent is at least
 constexpr double kFarStiffening = 0.25;  // this one,
@@ -26,7 +27,7 @@ constexpr double kMostAim = 3.0;      // times the present force: loading goes n
 constexpr double kToldBy = 5.0;       // an exponent needs changes of force this many times those for a stiffness
 constexpr double kTurnCaution = 1.4;  // a new direction starts up to this much stiffer than the old one ended
 constexpr double kTurned = 2.0;       // times the play: travel after a turn with small steps
-constexpr double kLeastOfLeft = 0.3;  // a turn's first steps aim for at least this share of the rest
+constexpr double kLeastOfLeft = 0.3;  // the first steps after a turn aim for at least this share of the remaining force
 constexpr double kGrowth = 3.0;       // a step is at most this many times the one before
 constexpr double kMostIdle = 0.5;     // largest share of a step assumed lost to play
 constexpr double kPlayLowers = 0.7;   // a step with play lowers the stiffness to at least this share
@@ -39,7 +40,7 @@ void ForceServo::begin(const ContactPoint& contact) {
   span_n_ = stiffness_ * axis_.options().fine_step_mm;
   seen_at_n_ = std::max(axis_.options().contact_n, contact.reading.force_n);
   power_ = kStiffening;
-  since_turn_mm_ = kTurned * axis_.options().play_mm;  // the approach has taken up the play
+  since_turn_mm_ = kTurned * axis_.options().play_mm;  // the approach has removed the play
   branch_ = Branch::kLoading;
 }
 
@@ -65,7 +66,7 @@ double ForceServo::step(double force_n, double target_n, double left_n) const {
   }
   if (since_turn_mm_ < kTurned * options.play_mm) {
     caution = std::max(caution, kTurnCaution);
-    // The force that friction may still release at once.
+    // The force that friction may still release suddenly.
     const double drop_n = options.turn_drop_share * turned_at_n_ - std::abs(force_n - turned_at_n_);
     left_n = std::max(left_n - std::max(0.0, drop_n), kLeastOfLeft * left_n);
   }
@@ -105,7 +106,7 @@ void ForceServo::check_bounds(double target_n, double force_n, int moves, Nanose
   const PressOptions& options = axis_.options();
   if (moves < options.max_moves && axis_.clock().now() < deadline) return;
   throw Fault("TB-PRESS-TIMEOUT", "stage z",
-              fmt::format("{:.2f} N were not reached within {} moves and {:g} s; last reading {:.2f} N at {:.3f} mm, "
+              fmt::format("{:.2f} N was not reached within {} moves and {:g} s; last reading {:.2f} N at {:.3f} mm, "
                           "{:.1f} N/mm",
                           target_n, options.max_moves, options.level_timeout_s, force_n, axis_.z_mm(), stiffness_));
 }
@@ -118,11 +119,10 @@ double ForceServo::next_z(double target_n, double force_n, double step_mm, Branc
   const double z_mm = std::clamp(axis_.z_mm() + (loading ? step_mm : -step_mm), low, high);
   const double onward_mm = loading ? z_mm - axis_.z_mm() : axis_.z_mm() - z_mm;
   if (onward_mm > options.resolution_mm / 2.0) return z_mm;
-  throw Fault(
-      "TB-PRESS-NO-FORCE", "stage z",
-      fmt::format("{:.2f} N were asked for; {:.2f} N are there at z = {:.3f} mm, {:.3f} mm from the contact, and "
-                  "the press may not go beyond {:.3f} mm",
-                  target_n, force_n, axis_.z_mm(), axis_.z_mm() - contact_z_mm_, loading ? high : low));
+  throw Fault("TB-PRESS-NO-FORCE", "stage z",
+              fmt::format("{:.2f} N was requested; the force is {:.2f} N at z = {:.3f} mm, {:.3f} mm from the contact, "
+                          "and the press may not go beyond {:.3f} mm",
+                          target_n, force_n, axis_.z_mm(), axis_.z_mm() - contact_z_mm_, loading ? high : low));
 }
 
 ServoResult ForceServo::to(double target_n, Branch branch, double band_n) {

@@ -63,10 +63,9 @@ Press::Press(devices::Stage& stage, devices::ForceSensor& force, devices::Clock&
 void Press::check_clear() {
   const double z_mm = axis_.find();
   if (z_mm <= clear_z_mm_ + kPositionToleranceMm) return;
-  throw Fault(
-      "TB-PRESS-NOT-CLEAR", "stage z",
-      fmt::format("z is at {:.3f} mm, clear of the specimen is {:.3f} mm; nothing was moved", z_mm, clear_z_mm_),
-      "Let the recipe retract before it tares or moves in x and y.");
+  throw Fault("TB-PRESS-NOT-CLEAR", "stage z",
+              fmt::format("z is at {:.3f} mm, the clear position is {:.3f} mm; nothing was moved", z_mm, clear_z_mm_),
+              "Let the recipe retract before it tares or moves in x and y.");
 }
 
 TareReading Press::tare() {
@@ -84,7 +83,7 @@ void Press::home() {
   contact_.reset();
   clear_z_mm_ = options_.clear_z_mm;
   for (const Axis axis : {Axis::kZ, Axis::kX, Axis::kY}) stage_.home(axis);
-  axis_.event("home", "z, x and y stand at their home sensors");
+  axis_.event("home", "z, x and y are at their home sensors");
 }
 
 void Press::move_xy(double x_mm, double y_mm) {
@@ -116,8 +115,8 @@ ContactPoint Press::approach() {
   contact_ = found;
   clear_z_mm_ = std::max(0.0, std::min(options_.clear_z_mm, found.z_mm - options_.clear_mm));
   servo_.begin(found);
-  axis_.event("contact", fmt::format("at z {:.4f} mm +- {:.4f} mm, {:.1f} N/mm; {:.2f} N felt on the way", found.z_mm,
-                                     found.uncertainty_mm, found.stiffness_n_per_mm, found.max_force_n));
+  axis_.event("contact", fmt::format("at z {:.4f} mm +- {:.4f} mm, {:.1f} N/mm; {:.2f} N measured on the way",
+                                     found.z_mm, found.uncertainty_mm, found.stiffness_n_per_mm, found.max_force_n));
   return found;
 }
 
@@ -148,7 +147,7 @@ bool Press::dwell(const PressLevel& level, PressReading& reading) {
 PressReading Press::press(const PressLevel& level, const std::function<void()>& frame) {
   if (!contact_) {
     throw Fault("TB-PRESS-NO-APPROACH", "stage z",
-                fmt::format("{:.2f} N were asked for before contact was found at this place", level.force_n));
+                fmt::format("{:.2f} N was requested before contact was found at this place", level.force_n));
   }
   PressReading reading;
   reading.commanded_at = clock_.now();

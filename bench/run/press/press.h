@@ -1,4 +1,4 @@
-// The steps of a run that presses, one method each: tare, home, move to x, y, approach, press to a level, retract.
+// The steps of a run that presses, one method per step: tare, home, move to x, y, approach, press to a level, retract.
 // Called by the sequencer; keeps only what the next step needs. Results are structs that the recorder stores.
 #pragma once
 
@@ -13,19 +13,21 @@ namespace tactbench::bench {
 
 struct BenchConfig;
 
-// Limits and speeds of the bench's stage; everything else by default. Throws std::logic_error without a [stage].
+// Limits and speeds from the bench's [stage]; all others have their defaults. Throws std::logic_error without a
+// [stage].
 [[nodiscard]] PressOptions press_options(const BenchConfig& config);
 
 struct TareReading {
   devices::ForceReading removed;         // the sensor's offset without contact
-  std::optional<devices::Wrench> drift;  // of the offset since the tare before
+  std::optional<devices::Wrench> drift;  // change of the offset since the previous tare
 };
 
 struct PressLevel {
   double force_n = 0.0;
   Branch branch = Branch::kLoading;
   double dwell_s = 0.0;
-  bool hold_force = false;  // corrects while dwelling, in the branch's direction only; else z does not move
+  bool hold_force =
+      false;  // keeps correcting the force during the dwell, only in the branch's direction; else z does not move
 };
 
 struct PressReading {
@@ -33,35 +35,35 @@ struct PressReading {
   ForceSample start;          // when the level was reached
   ForceSample before, after;  // right before and right after the frame
   devices::Wrench wrench;     // their mean
-  double force_n = 0.0;       // the level: pressing force at frame time, their mean
+  double force_n = 0.0;       // pressing force of the frame: mean of before and after
   double z_mm = 0.0;          // at frame time
-  double spread_n = 0.0;      // the largest one of the samples before and after, and of the tare
+  double spread_n = 0.0;      // largest spread of the samples before and after, and of the tare
   double relaxation_n = 0.0;  // force at the start minus force at the end of the dwell, z at rest
   double stiffness_n_per_mm = 0.0;
   int moves = 0;
-  std::optional<BranchBroken> broken;  // then there is no frame, and what follows `start` is empty
+  std::optional<BranchBroken> broken;  // then there is no frame, and the members after `start` are empty
 };
 
 class Press {
  public:
   // `hooks.wait` is required and serves all waits except the few milliseconds in which a move comes to rest, homing,
-  // and moves of x and y. Everything must outlive this.
+  // and moves of x and y. All arguments must outlive this.
   Press(devices::Stage& stage, devices::ForceSensor& force, devices::Clock& clock, PressOptions options,
         PressHooks hooks);
   Press(const Press&) = delete;
   Press& operator=(const Press&) = delete;
 
-  // Without contact. Throws TB-PRESS-NOT-HOMED, TB-PRESS-NOT-CLEAR when z is beyond clear.
+  // To be called without contact. Throws TB-PRESS-NOT-HOMED, TB-PRESS-NOT-CLEAR if z is beyond the clear position.
   TareReading tare();
   void home();  // z first, which leaves the specimen; blocks as Stage::home does
-  // Throws TB-PRESS-NOT-CLEAR when z is beyond clear or a force is measured, and the stage's faults.
+  // Throws TB-PRESS-NOT-CLEAR if z is beyond the clear position or a force is measured, and the stage's faults.
   void move_xy(double x_mm, double y_mm);
   ContactPoint approach();
-  // Throws TB-PRESS-NO-APPROACH before an approach at this place. `frame` reads the array; null: no frame is wanted.
+  // Throws TB-PRESS-NO-APPROACH before an approach at this place. `frame` reads the array; null: no frame is read.
   PressReading press(const PressLevel& level, const std::function<void()>& frame);
   [[nodiscard]] RetractProof retract() noexcept;
 
-  [[nodiscard]] const std::optional<ContactPoint>& contact() const { return contact_; }  // none: off the specimen
+  [[nodiscard]] const std::optional<ContactPoint>& contact() const { return contact_; }  // none: not in contact
   [[nodiscard]] double clear_z_mm() const { return clear_z_mm_; }
   [[nodiscard]] const PressOptions& options() const { return options_; }
 

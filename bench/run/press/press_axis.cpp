@@ -39,7 +39,8 @@ auto PressAxis::guarded(Act act) {
 double PressAxis::find() {
   const devices::AxisState state = stage_.state(Axis::kZ);
   if (!state.homed) {
-    throw Fault("TB-PRESS-NOT-HOMED", "stage z", "z was to move under force and has not been homed; nothing was sent");
+    throw Fault("TB-PRESS-NOT-HOMED", "stage z",
+                "a move of z under force was requested before it was homed; nothing was sent");
   }
   return z_mm_ = state.position.value();
 }
@@ -64,7 +65,7 @@ std::string PressAxis::stopped() {
     z_mm_ = stage_.stop(Axis::kZ).value();
     return fmt::format("z was stopped at {:.3f} mm", z_mm_);
   } catch (const Fault& fault) {
-    return fmt::format("where z stands is not known ({})", fault.what());
+    return fmt::format("the position of z is not known ({})", fault.what());
   }
 }
 

@@ -12,14 +12,14 @@
 
 namespace tactbench::bench {
 
-// z increases toward the specimen. Values that no bench file sets are not verified on hardware.
+// z increases toward the specimen. Values that a bench file cannot set are not verified on hardware.
 struct PressOptions {
   double clear_z_mm = 0.0;  // no contact up to here; x and y move only here
-  double clear_mm = 5.0;    // and at least this far from a known contact
+  double clear_mm = 5.0;    // and at least this distance from a known contact
   double max_z_mm = 50.0;
   double max_press_mm = 5.0;     // beyond the contact
-  double pressing_sign = -1.0;   // of Fz when the specimen is pressed
-  double force_limit_n = 33.0;   // |Fz| beyond it halts
+  double pressing_sign = -1.0;   // sign of Fz when the specimen is pressed
+  double force_limit_n = 33.0;   // a greater |Fz| halts the stage
   double safe_force_n = 0.5;     // below it there is no contact
   double contact_n = 0.2;        // |Fz| that counts as contact
   double travel_mm_per_s = 4.0;  // z, off contact
@@ -29,18 +29,18 @@ struct PressOptions {
   double poll_interval_s = 0.04;  // between two readings of the force while searching
   double settle_s = 0.05;         // from the end of a move to the reading: end ramp and the sensor's filter
   double force_latency_s = 0.02;  // from load to reading
-  double stop_time_s = 0.02;      // from order to standstill
+  double stop_time_s = 0.02;      // from stop command to standstill
   double backoff_mm = 0.1;        // after the first touch; more than the play
   double fine_step_mm = 0.01;
-  double tolerance_n = 0.05, tolerance_share = 0.01;         // of a level: the larger counts
-  double softest_n_per_mm = 0.5, stiffest_n_per_mm = 100.0;  // specimen and support together
-  double play_mm = 0.02;  // largest backlash of the axis: after a turn the force may not follow for this distance
-  double turn_drop_share = 0.1;      // of the force: friction in cloth may release it at a turn without travel
-  double answer_n = 0.02;            // a smaller change of force gives no stiffness
+  double tolerance_n = 0.05, tolerance_share = 0.01;         // of a level: the larger applies
+  double softest_n_per_mm = 0.5, stiffest_n_per_mm = 100.0;  // range of the stiffness of specimen and support together
+  double play_mm = 0.02;  // largest backlash of the axis: after a reversal the force may not change for this distance
+  double turn_drop_share = 0.1;  // share of the force that friction in cloth may release at a reversal without travel
+  double answer_n = 0.02;        // a smaller change of force gives no stiffness
   double resolution_mm = 4.7625e-5;  // one microstep of the T-NA08A50: no smaller move exists
   double hold_interval_s = 1.0;      // between two readings of the force while dwelling
   double level_timeout_s = 120.0;
-  int max_moves = 60;  // a level
+  int max_moves = 60;  // per level
   int poll_records = 10, level_records = 50;
 
   [[nodiscard]] double tolerance(double force_n) const;
@@ -72,7 +72,7 @@ class PressAxis {
             const PressHooks& hooks)
       : stage_(stage), force_(force), clock_(clock), options_(options), hooks_(hooks) {}
 
-  // Asks the stage where z is. Throws TB-PRESS-NOT-HOMED besides the stage's faults.
+  // Reads the position of z from the stage. Throws TB-PRESS-NOT-HOMED and the stage's faults.
   double find();
   [[nodiscard]] double z_mm() const { return z_mm_; }
   // Blocks until z has arrived and the reading has settled; returns the reading. Toward the specimen the force is read
@@ -91,7 +91,7 @@ class PressAxis {
   auto guarded(Act act);
   ForceSample read(int records, bool moving);
   bool felt();
-  std::string stopped();  // stops z and tells where the stage then reports it
+  std::string stopped();  // stops z and returns a text with its position
   devices::Stage& stage_;
   devices::ForceSensor& force_;
   devices::Clock& clock_;

@@ -23,11 +23,11 @@ void check_forces(const PressPlanned& planned, const PressOptions& options, cons
   const double range_n = envelope.overload_share * envelope.force_range[2];
   for (const double force_n : planned.forces_n) {
     if (!(force_n + options.tolerance(force_n) + over <= range_n)) {
-      complaints.push_back(fmt::format(
-          "{:g} N, with its tolerance and {:.2f} N of overshoot ({:g} mm/s x {:g} s x {:g} N/mm), are beyond "
-          "the {:g} N of Fz that the fitted calibration goes to",
-          force_n, over, options.servo_mm_per_s, options.force_latency_s + options.stop_time_s,
-          options.stiffest_n_per_mm, range_n));
+      complaints.push_back(
+          fmt::format("{:g} N, with its tolerance and {:.2f} N of overshoot ({:g} mm/s x {:g} s x {:g} N/mm), exceed "
+                      "the range of Fz in the loaded calibration, {:g} N",
+                      force_n, over, options.servo_mm_per_s, options.force_latency_s + options.stop_time_s,
+                      options.stiffest_n_per_mm, range_n));
     }
     if (!(force_n + options.tolerance(force_n) + over <= options.force_limit_n)) {
       complaints.push_back(
@@ -42,8 +42,8 @@ void check_forces(const PressPlanned& planned, const PressOptions& options, cons
   }
   if (!(options.force_limit_n <= range_n)) {
     complaints.push_back(
-        fmt::format("the bench's force limit of {:g} N is beyond the {:g} N that the fitted calibration "
-                    "goes to: nothing would see it passed",
+        fmt::format("the bench's force limit of {:g} N exceeds the {:g} N of the loaded calibration: passing it would "
+                    "not be detected",
                     options.force_limit_n, range_n));
   }
   if (planned.forces_n.empty()) return;
@@ -83,7 +83,7 @@ void check_places(const PressPlanned& planned, const PressOptions& options, cons
        {std::pair("approach_mm_per_s", options.approach_mm_per_s), std::pair("servo_mm_per_s", options.servo_mm_per_s)})
     if (!(speed <= options.travel_mm_per_s))
       complaints.push_back(
-          fmt::format("{} = {:g} is more than the {:g} mm/s that z may move at", key, speed, options.travel_mm_per_s));
+          fmt::format("{} = {:g} is more than the {:g} mm/s allowed for z", key, speed, options.travel_mm_per_s));
   check("clear z", options.clear_z_mm, 2);
   check("deepest z", options.max_z_mm, 2);
   if (!(options.clear_z_mm < options.max_z_mm)) complaints.emplace_back("clear z is not above the deepest z");

@@ -1,4 +1,4 @@
-// Checks before anything moves whether a press plan fits force sensor, bench and axes, overshoot included.
+// Checks before any motion whether a press plan fits force sensor, bench and axes, including the overshoot.
 #pragma once
 
 #include <array>
@@ -22,11 +22,11 @@ struct PressPlanned {
 
 struct PressEnvelope {
   std::array<double, 6> force_range{};                 // ForceSensor::range()
-  double overload_share = 1.0;                         // of the range, at which the sensor's driver faults
+  double overload_share = 1.0;                         // share of the range at which the sensor's driver throws a fault
   std::array<std::pair<double, double>, 3> axes_mm{};  // low and high of x, y, z, inclusive
 };
 
-// Checks `planned` with `options`: one sentence for each thing that is wrong, none when all is well. NaN is wrong.
+// Checks `planned` with `options`: one sentence per problem, empty if there is none. NaN is a problem.
 [[nodiscard]] std::vector<std::string> press_complaints(const PressPlanned& planned, const PressOptions& options,
                                                         const PressEnvelope& envelope);
 

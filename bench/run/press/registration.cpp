@@ -128,7 +128,7 @@ MountRegistration register_mount(const std::vector<Touch>& touches, double pitch
   if (!(narrow_mm >= options.min_spread_mm)) {
     throw Fault(
         "TB-MOUNT-COLLINEAR", kDevice,
-        fmt::format("the touches lie within {:.2f} mm (rms) of one line, {:g} mm are needed: a flip could not be "
+        fmt::format("the touches are within {:.2f} mm (rms) of one line, {:g} mm are needed: a flip could not be "
                     "recognised",
                     narrow_mm, options.min_spread_mm));
   }
@@ -151,7 +151,7 @@ MountRegistration register_mount(const std::vector<Touch>& touches, double pitch
   }
   if (!(made.rms_mm <= options.max_rms_mm)) {
     throw Fault("TB-MOUNT-RESIDUAL", kDevice,
-                fmt::format("the touches miss their places by {:.3f} mm (rms), {:g} mm are allowed; angle {:.2f} deg, "
+                fmt::format("the touches are {:.3f} mm (rms) from their places, {:g} mm is allowed; angle {:.2f} deg, "
                             "scale {:.4f}",
                             made.rms_mm, options.max_rms_mm, made.angle_deg, made.scale));
   }

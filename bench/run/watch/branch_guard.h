@@ -1,5 +1,5 @@
 // Checks that a branch is monotone. An overshoot within a rising branch starts a minor loop that no frame shows; this
-// detects it when it lasts until a poll and is larger than the tolerance.
+// detects it if it lasts until a poll and is larger than the tolerance.
 #pragma once
 
 #include <optional>
@@ -14,7 +14,7 @@ struct PathBroken {
 
 class BranchGuard {
  public:
-  // Rising where `to` > `from`; where they are equal, any change beyond the tolerance breaks it.
+  // The branch rises if `to` > `from`; if they are equal, any change beyond the tolerance breaks it.
   BranchGuard(double from, double to, double tolerance) : from_(from), to_(to), tolerance_(tolerance) {}
   // To be called with each measured value; returns what broke the branch, or nothing.
   [[nodiscard]] std::optional<std::string> see(double value);

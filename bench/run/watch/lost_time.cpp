@@ -75,7 +75,7 @@ class Frames {
     }
     return position;
   }
-  // Time between two successive frames of that branch; none where there are no two.
+  // Time between two successive frames of that branch; none if there are fewer than two.
   [[nodiscard]] std::optional<std::int64_t> pace(std::int64_t position) const {
     std::optional<std::int64_t> least;
     for (std::int64_t i = position; i < position + 2; ++i) {

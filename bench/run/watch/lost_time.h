@@ -10,7 +10,7 @@
 namespace tactbench::bench {
 
 struct LostTime {
-  std::int64_t position = 0;  // of the first frame delayed by it
+  std::int64_t position = 0;  // position of the first frame that it delayed
   std::int64_t ns = 0;
 };
 

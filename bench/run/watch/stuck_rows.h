@@ -15,7 +15,8 @@ struct StuckRows {
 
 class StuckRowWatch {
  public:
-  // `load`: any quantity that the array should follow, the same one at each call; changes of at least `least` count.
+  // `load`: any quantity that the array should follow, the same at each call; only changes of at least `least` are
+  // considered.
   [[nodiscard]] StuckRows see(const devices::ScanSet& scans, double load, double least);
 
  private:

@@ -21,7 +21,7 @@ class SuspensionWatch {
  public:
   void follow(const std::vector<sequences::Suspension>& rules);
   [[nodiscard]] bool empty() const { return rules_.empty(); }
-  // The first rule that trips by these readings. A quantity without a reading trips nothing.
+  // The first rule that trips at these readings. A quantity without a reading trips no rule.
   [[nodiscard]] std::optional<Suspended> tripped(const std::vector<EnvironmentReading>& readings) const;
   // True when every rule has been inside its resume threshold for its hold time; to be called while suspended.
   [[nodiscard]] bool may_resume(const std::vector<EnvironmentReading>& readings, devices::Nanoseconds now);

@@ -45,7 +45,7 @@ DaqmxCalls load(const std::string& library) {
   };
   const std::vector<std::string> names =
       library.empty() ? std::vector<std::string>{"libnidaqmx.so", "libnidaqmx.so.1"} : std::vector{library};
-  void* handle = nullptr;  // never closed: NI's library keeps threads of its own
+  void* handle = nullptr;  // never closed: NI's library has running threads
   std::string reasons;
   for (const std::string& name : names) {
     handle = ::dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL);

@@ -62,7 +62,8 @@ class DaqmxApi {
   std::vector<std::string> warnings_;
 };
 
-// One task of the driver; stopped and cleared at the end. `api` must outlive it. All but stop() throw DaqmxError.
+// One task of the driver; stopped and cleared at the end. `api` must outlive it. All functions except stop() throw
+// DaqmxError.
 class DaqmxTask {
  public:
   explicit DaqmxTask(DaqmxApi& api);
@@ -73,10 +74,10 @@ class DaqmxTask {
   // `channels` as NI writes them, "Dev1/ai0:15"; measured from -range to +range.
   void add_voltages(const std::string& channels, DaqmxTerminal terminal, Volts range);
   void add_output_lines(const std::string& lines);  // "Dev1/port0/line0:15"
-  [[nodiscard]] int channels();                     // lines count one each
+  [[nodiscard]] int channels();                     // each line counts as one
   void finite_samples(double rate_hz, int samples);
   void convert_rate(double rate_hz);  // from one channel to the next within a sample
-  void commit();                      // reserves the hardware, so that starting is quick
+  void commit();                      // reserves the hardware, so that starting is fast
   void start();
   void stop() noexcept;
   // Waits up to `timeout` for `samples` of each channel; volts (samples x channels) is filled sample by sample. Fewer
@@ -90,7 +91,7 @@ class DaqmxTask {
 };
 
 // The C interface of NI-DAQmx as far as tactbench uses it: own prototypes (x86-64 Linux: int32 is int, a task handle
-// void*, bool32 unsigned, float64 double), the values of its constants, and the errors that are named here.
+// void*, bool32 unsigned, float64 double), the values of its constants, and the errors named here.
 
 struct DaqmxCalls {
   using Task = void*;

@@ -1,7 +1,7 @@
 // Tracks whether a simulated instrument of this process (an "end" of a wire) still owes an answer. Each end answers
 // from its own thread, which a busy machine may delay for longer than a timeout. A wait on a wire (wait.h) therefore
-// continues until every end has processed its requests, so that on a simulated bench only answers that an end omits on
-// purpose are lost. On a real rig there are no ends in this process, so none is ever at work.
+// continues until every end has processed its requests, so that on a simulated bench only intentionally omitted answers
+// are lost. On a real rig there are no ends in this process, so none is ever busy.
 #pragma once
 
 #include <poll.h>
@@ -19,7 +19,7 @@ namespace tactbench::devices {
 
 class EndActivity {
  public:
-  EndActivity();  // at work until its first wait, because its thread has yet to start
+  EndActivity();  // busy until its first wait, because its thread has not started yet
   ~EndActivity();
   EndActivity(const EndActivity&) = delete;
   EndActivity& operator=(const EndActivity&) = delete;
@@ -32,11 +32,11 @@ class EndActivity {
       leave();
     });
   }
-  // poll() for that thread, which counts as at work between two of these calls. Without a time: no limit.
+  // poll() for that thread, which counts as busy between two of these calls. Without a time: no limit.
   int wait(std::span<pollfd> descriptors, std::optional<Nanoseconds> longest = std::nullopt);
-  void leave();  // from now on never at work
+  void leave();  // from now on never busy
 
-  // True while an end of this process works or has something to read.
+  // True while an end of this process is busy or has data to read.
   [[nodiscard]] static bool any();
 
  private:
@@ -44,7 +44,7 @@ class EndActivity {
   std::mutex mutex_;
   std::vector<pollfd> watched_;  // while it waits
   bool waits_ = false, left_ = false;
-  const pid_t process_;  // a forked child has no threads of its parent
+  const pid_t process_;  // a forked child does not have its parent's threads
 };
 
 }  // namespace tactbench::devices

@@ -16,9 +16,9 @@ class PseudoTerminal {
   // because the slave is kept open here too. -1 after hang_up().
   [[nodiscard]] int master() const { return master_; }
   [[nodiscard]] const std::string& path() const { return path_; }  // what the client opens, "/dev/pts/N"
-  // Simulates unplugging: a client that has it open gets Fault TB-SERIAL-LOST at once, and a new one TB-SERIAL-OPEN.
-  // The slave stays open, for the system would give the path to another program's terminal, which the client would
-  // open. Do not call it while another thread uses master().
+  // Simulates unplugging: a client that has it open gets Fault TB-SERIAL-LOST immediately, and a new one
+  // TB-SERIAL-OPEN. The slave stays open, because otherwise the system could give the path to the terminal of another
+  // program, and the client would open that. Do not call it while another thread uses master().
   void hang_up();
 
  private:

@@ -22,7 +22,7 @@ class StreamEnd {
   // The address for open_stream(). A pseudo-terminal has another one after plug_in().
   [[nodiscard]] const std::string& address() const { return address_; }
   [[nodiscard]] int descriptor() const;  // to be polled for reading; -1 while unplugged
-  // Call when the descriptor is readable: returns bytes, or 0 when a client came or went. Never blocks.
+  // Call when the descriptor is readable: returns bytes, or 0 if a client connected or disconnected. Never blocks.
   [[nodiscard]] std::size_t receive(std::span<std::uint8_t> into);
   // Never blocks: bytes that the client does not read are lost, as on a line without a listener.
   void send(std::span<const std::uint8_t> bytes);

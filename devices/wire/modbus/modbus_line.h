@@ -22,19 +22,19 @@ class ModbusLine {
   // Sends unit and PDU and returns unit and PDU of the answer without header and checksum. Empty: the exchange failed,
   // `error()` is the reason (an errno value or one of libmodbus), and the line is then closed.
   std::vector<std::uint8_t> exchange(std::span<const std::uint8_t> request);
-  // Of an exchange that failed on a serial line: the request came back although no echo is expected, or did not.
+  // The echo of an exchange that failed on a serial line: as expected; received although none is expected; missing.
   enum class Echo { kAsExpected, kCame, kMissing };
   [[nodiscard]] Echo echo() const { return echo_; }
   [[nodiscard]] bool is_open() const { return context_ != nullptr; }
-  // Call only while closed. Throws Fault TB-MODBUS-CONNECT or TB-MODBUS-TIMEOUT on behalf of `device`.
+  // To be called only while closed. Throws Fault TB-MODBUS-CONNECT or TB-MODBUS-TIMEOUT on behalf of `device`.
   void open(const std::string& device, const std::string& peer);
   void close() noexcept;              // on the caller's request
   void close_after_error() noexcept;  // RTU: then silence for max_reply_delay
   [[nodiscard]] int error() const { return error_; }
   [[nodiscard]] bool is_rtu() const { return !endpoint_.serial_port.empty(); }
   [[nodiscard]] const ModbusEndpoint& endpoint() const { return endpoint_; }
-  // Counts how often a device on this line was busy; `words` describes the last time. take_busy_report() returns that
-  // text after the first, second, fourth, eighth ... time, otherwise an empty text.
+  // Counts how often a device on this line was busy; `words` describes the last occurrence. take_busy_report() returns
+  // that text after the first, second, fourth, eighth ... time, otherwise an empty text.
   void note_busy(std::string words);
   [[nodiscard]] std::string take_busy_report();
   [[nodiscard]] Clock& clock() { return clock_; }
@@ -50,7 +50,7 @@ class ModbusLine {
   [[nodiscard]] bool is_echo(std::span<const std::uint8_t> sent, std::span<std::uint8_t> came);
   ModbusEndpoint endpoint_;
   Clock& clock_;
-  std::string address_;  // the numeric host, once known
+  std::string address_;  // the numeric address of the host, once known
   std::unique_ptr<Context> context_;
   std::uint16_t transaction_ = 0;  // of the last request on this connection
   int error_ = 0;

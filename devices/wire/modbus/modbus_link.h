@@ -1,8 +1,8 @@
 // Modbus TCP and RTU through libmodbus, without its pitfalls. TCP: any error closes the connection, so that a late
-// reply is never taken for the answer to a later request; transaction, protocol, unit, function and length of each
-// answer are checked here, since libmodbus does not check all of them. RTU has no transaction id: the line is flushed
+// reply is never mistaken for the answer to a later request; transaction, protocol, unit, function and length of each
+// answer are checked here, because libmodbus does not check all of them. RTU has no transaction id: the line is flushed
 // before each request; after an error it is closed and not used for `max_reply_delay`; and successive readings request
-// register counts that differ by one where the map allows it, so that a stale answer has the wrong length. Not
+// register counts that differ by one if the register map allows it, so that a stale answer has the wrong length. Not
 // thread-safe: one owner per line.
 #pragma once
 
@@ -30,12 +30,12 @@ class ModbusLink {
   ModbusLink& operator=(const ModbusLink&) = delete;
 
   // Each of these is one exchange and blocks for at most response_timeout (plus the same again to connect; RTU plus
-  // max_reply_delay after an error; a host name is resolved once, at the first connect, in the resolver's time). A
-  // device that is busy (exceptions 5 and 6) is asked again for busy_time. This is safe because every request states
-  // absolute values, so that twice does what once does, and because the owner waits here: no newer value is overtaken.
+  // max_reply_delay after an error; a host name is resolved once, at the first connect, without a time limit). A
+  // request to a busy device (exceptions 5 and 6) is repeated for busy_time. This is safe because every request sends
+  // absolute values, so a repetition changes nothing, and because the owner waits here, so no newer value is overtaken.
   // Throws Fault TB-MODBUS-CONNECT (no connection, or it broke), TB-MODBUS-TIMEOUT (no reply, or no connection, in
   // time; process time has then advanced by response_timeout), TB-MODBUS-EXCEPTION (the device refused),
-  // TB-MODBUS-BUSY (for longer than busy_time), TB-MODBUS-ECHO (RTU: the adapter returns the request, or local_echo is
+  // TB-MODBUS-BUSY (for longer than busy_time), TB-MODBUS-ECHO (RTU: the adapter echoes the request, or local_echo is
   // set and it does not) or TB-MODBUS-PROTOCOL (the answer does not match, or no frame can hold the request).
   // `readable`: number of registers that may be read from `address` on; more than into.size() lets RTU alternate.
   void read_input_registers(int address, std::span<std::uint16_t> into, std::size_t readable = 0);    // FC 4
@@ -51,7 +51,7 @@ class ModbusLink {
   [[nodiscard]] std::uint64_t exchanges() const { return exchanges_; }
   [[nodiscard]] const ModbusEndpoint& endpoint() const;
   [[nodiscard]] std::string take_busy_report() const;  // ModbusLine's
-  // "analog module at 127.0.0.1:502 unit 1", as faults name it.
+  // "analog module at 127.0.0.1:502 unit 1", the name in faults.
   [[nodiscard]] std::string peer() const;
 
  private:

@@ -22,13 +22,13 @@ struct RegisterFormat {
 };
 
 struct RegisterValue {
-  std::int32_t counts = 0;  // as read; of f32 and u32 the bit pattern
+  std::int32_t counts = 0;  // as read; for f32 and u32 the bit pattern
   double value = 0.0;
 };
 
 // `words` holds format.words() registers.
 RegisterValue decode_register(const RegisterFormat& format, std::span<const std::uint16_t> words);
-// The nearest value that the type holds.
+// The nearest value that the type can hold.
 std::vector<std::uint16_t> encode_register(const RegisterFormat& format, double value);
 
 // physical = low + (raw - raw_low) / (raw_high - raw_low) * (high - low)

@@ -1,4 +1,4 @@
-// What every compensator promises, whatever its model.
+// Properties of every compensator, for all models.
 #include "analysis/compensate/compensator.h"
 
 #include <catch2/catch.hpp>
@@ -110,7 +110,7 @@ TEST_CASE("compensators: noise within the dead band leaves no memory, oscillatio
         const double a = quiet->step(walker.walk.output[i], 0.02).pressure_psi;
         CHECK(wiggled->step(walker.walk.output[i], 0.02).pressure_psi == Approx(a).margin(0.01 * kind.span()));
       }
-      // Half a psi to and fro once a second for two minutes, at 50 samples a second.
+      // Half a psi to and fro once a second for two minutes, at 50 samples per second.
       Walker trembling(kind, kNoise, 2, 0.02, 5.5);
       for (const double to : {0.0, 60.0, 0.0, level}) trembling.go(to);
       const auto stream = kind.stream(kNoise);
@@ -171,7 +171,7 @@ TEST_CASE("compensators: impossible samples are held or flagged, and later readi
   }
 }
 
-TEST_CASE("compensators: output staying out of range reads as the end of the loop, at once if it came from nearby") {
+TEST_CASE("compensators: persistent output out of range reads as the loop's end, immediately if it came from nearby") {
   for (const Kind& kind : kinds()) {
     INFO(kind.name);
     const double full = kOutputGain * kind.full();
@@ -275,7 +275,7 @@ TEST_CASE(
       REQUIRE(same(stream->step(walk.output[i], walk.seconds), expected[i]));
     }
 
-    // What is lost is held; the next sample is taken as it comes.
+    // A lost sample is held; the next sample is used without averaging.
     stream->rest(1000.0);
     Walker held(kind, 0.0, 1);
     for (int i = 0; i < 100; ++i) held.go(30.0);
@@ -338,7 +338,7 @@ TEST_CASE("compensators: lag and creep are removed by the elapsed time, includin
     CHECK(told.within >= 0.95 * told.count);
     CHECK(untold.rms() > 2.5 * told.rms());
 
-    // A film that was worked has crept already: the same output tells less input. Rest lets it creep back.
+    // A film that was worked has already crept: the same output means less input. Rest lets it creep back.
     const auto after = [&](const std::function<void(Compensator&)>& act) {
       own->start(Start::kAtRest);
       act(*own);

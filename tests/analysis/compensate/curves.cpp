@@ -1,4 +1,4 @@
-// The curves of the compensator: pieces that tell the truth about all of their outputs, ELAM's against the paper's.
+// The curves of the compensator: pieces are correct for all of their outputs, ELAM's curves equal the paper's.
 #include <catch2/catch.hpp>
 #include <cmath>
 

@@ -138,7 +138,7 @@ inline Walk walk_of(const Kind& kind, const std::vector<double>& way, double noi
 
 inline constexpr std::size_t kThree = 3;  // taxels of sensor_of()
 
-// Two taxels of a kind, of different gain and noise, a dead one between them, and their mean.
+// Two taxels of one kind, with different gain and noise, a dead one between them, and their mean.
 inline SensorModel sensor_of(const Kind& kind, bool falling = false) {
   SensorModel model;
   model.model = kind.name;

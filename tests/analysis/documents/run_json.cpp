@@ -1,4 +1,4 @@
-// What documents say of a run: the same keys and values wherever a run, its figures or its verdicts are written.
+// A run in documents: the same keys and values wherever a run, its figures or its verdicts are written.
 #include "analysis/documents/run_json.h"
 
 #include <catch2/catch.hpp>

@@ -149,7 +149,7 @@ TEST_CASE("the piece of a branch that is kept changes no reading") {
   }
 }
 
-TEST_CASE("a taxel by itself reads what it reads in the array, lost frames and a dead neighbour included") {
+TEST_CASE("fixed compensator: a single taxel reads as in the array, also with lost frames and a dead neighbour") {
   for (const char* const name : kBoth) {
     const Kind kind = kind_of(name);
     const auto fixed = fixed_of(kind);
@@ -203,7 +203,7 @@ TEST_CASE("a history is unknown until the taxel was at its zero or top or is tar
   }
 }
 
-TEST_CASE("a count that the taxel cannot give is held, and what stays there is the end of the loop") {
+TEST_CASE("fixed compensator: an impossible count is held, a persistent one reads as the end of the loop") {
   for (const char* const name : kBoth) {
     const Kind kind = kind_of(name);
     const auto fixed = fixed_of(kind);
@@ -243,7 +243,7 @@ TEST_CASE("a word that is changed changes the hash") {
   }
 }
 
-TEST_CASE("as Verilog: the words to load are those of the hash, what the module has no room for is refused") {
+TEST_CASE("as Verilog: the loaded words match the hash, a model too large for the module is refused") {
   const Kind kind = kind_of("elam");
   const SensorModel model = sensor_of(kind);
   const FixedModel fixed = quantised(model, device());
@@ -274,7 +274,7 @@ TEST_CASE("as Verilog: the words to load are those of the hash, what the module 
   CHECK(refusal(model, wide).find("taxel 2") != std::string::npos);
 }
 
-TEST_CASE("what does not fit a device's words is refused, with the taxel") {
+TEST_CASE("fixed export: a value that does not fit the device's words is refused, with the taxel") {
   struct Case {
     const char* kind;
     std::function<void(SensorModel&, FixedOptions&)> change;

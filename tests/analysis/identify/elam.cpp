@@ -138,7 +138,7 @@ TEST_CASE("ELAM: branches with unknown turning point are used if one direction w
   for (const int splits : {1, 2, 8}) CHECK_NOTHROW(identify("elam", data, {.splits = splits}));
 }
 
-TEST_CASE("ELAM: a direction whose branches all start at an end stays undetermined, at the pattern's middle") {
+TEST_CASE("ELAM: a direction with branches only from an end stays undetermined, with the split at mid-pattern") {
   for (const double noise : {0.0, 0.003}) {
     CAPTURE(noise);
     const FitData falls = paper_data(kDescendingTurns, noise), rises = paper_data(kAscendingTurns, noise);

@@ -1,5 +1,5 @@
-// Identification of the models beside ELAM: what generated the data comes out again, and data that cannot carry a model
-// are refused.
+// Identification of the models other than ELAM: what generated the data comes out again, and data that cannot carry a
+// model are refused.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -83,7 +83,7 @@ TEST_CASE("identification: noiseless data return the model that made them") {
     const PreisachModel truth = random_preisach();
     FitData data = data_from(truth, {kDescendingTurns, kAscendingTurns});
     std::mt19937 random(3);
-    for (int n = 0; n < 12; ++n) {  // inputs that tell all cells apart
+    for (int n = 0; n < 12; ++n) {  // inputs that distinguish all cells
       const std::vector<double> inputs = random_inputs(random, 40, 0.0, 60.0, 4);
       data.histories.push_back({"random", inputs, predict(truth, inputs), branches_along(inputs), {}, {}});
     }
@@ -216,7 +216,8 @@ TEST_CASE("identification: errors of a long history are over all its samples, th
   }
 }
 
-// Fits of each model but GPI, and of ELAM's modes beside the paper's, to one set of data: none leaves more than these.
+// Fits of each model except GPI, and of ELAM's modes other than the paper's, to one set of data: none leaves more than
+// these.
 
 namespace {
 

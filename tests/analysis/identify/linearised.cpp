@@ -212,7 +212,8 @@ TEST_CASE("linearised: finds a plant's divider within 1 %, and without one equal
   }
 }
 
-TEST_CASE("linearised: documents store and read back the divider, those of plain models have none", "[linearise]") {
+TEST_CASE("linearised: documents store and read back the divider, documents of plain models have no divider",
+          "[linearise]") {
   const FitData data = two_sequences(plant());
   IdentifyOptions options;
   options.linearise = true;

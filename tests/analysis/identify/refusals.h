@@ -19,7 +19,7 @@ std::string id_of_refusal(const Work& work) {
   return {};
 }
 
-// What is said of a wrong argument; empty where `work` comes to its end.
+// The message about a wrong argument; empty if `work` ends without an error.
 template <class Work>
 std::string why_invalid(const Work& work) {
   try {

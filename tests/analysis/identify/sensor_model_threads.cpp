@@ -78,7 +78,7 @@ TEST_CASE("histories of a run: contain averages to fit, measured repeats to scor
   CHECK(mean.noise == Approx(first.noise / 2));
 }
 
-// What the models leave of a plant that is none of them, in the uncertainty of their streams, and how it is kept.
+// The models' residuals on a plant of another class, in the uncertainty of their streams, and how they are stored.
 
 namespace {
 

@@ -1,4 +1,4 @@
-// What is made of a table's samples before any model: noise, turns and external loop.
+// Processing of a table's samples before any model: noise, turns and external loop.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -102,7 +102,7 @@ TEST_CASE("external loop: measured sweeps may miss the extremes, commanded ones 
   CHECK(external_loop(sequences, 1, 0.01).left_out > 0.0);
 }
 
-TEST_CASE("no external loop: models that need none are fitted, ELAM and POLY are refused") {
+TEST_CASE("no external loop: models that do not need one are fitted, ELAM and POLY are refused") {
   const Histories histories = histories_of({play_series("1", {0, 10, 4, 8, 3, 9, 5, 7, 2, 8, 4}, 40)}, "t.csv");
   const FitData data = fit_data_of(histories.taxels[0], {});
   CHECK_FALSE(data.no_loop.empty());
@@ -419,7 +419,7 @@ TEST_CASE("noise of counts: is the rounding to a count if twenty values show it,
     options.turn = 0.0;
     return histories_of({series}, "t", options).taxels[0].noise;
   };
-  // Outputs that never change are no counts: of a sequence that is fitted, beside one that is not.
+  // Outputs that never change are not counts: in a fitted sequence, next to one that is not fitted.
   HistoriesOptions still;
   still.turn = 0.0;
   still.fitted = {"a"};

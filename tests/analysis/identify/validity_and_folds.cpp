@@ -1,4 +1,4 @@
-// What models are told of their data: validity, folds, taxels' states and stored fits, by hand.
+// Facts that models store about their data: validity, folds, taxels' states and stored fits, by hand.
 #include <catch2/catch.hpp>
 #include <string>
 #include <tuple>

@@ -268,7 +268,7 @@ TEST_CASE("judge: a pass without a limit on single readings says so in its state
   };
   const auto [alone, words] = statement(limits_of());
   CHECK(alone);
-  CHECK_THAT(words, Catch::StartsWith("pass, ") && Catch::Contains("means alone"));
+  CHECK_THAT(words, Catch::StartsWith("pass, ") && Catch::Contains("means only"));
   Limits with_mpe = limits_of();
   with_mpe.mpe = {{0, 40, 3.0, 0.95}};
   evidence.runs[0].figures.push_back(figure(Criterion::kMpe, Scope::span(0, 40, 0.95), 1.0));

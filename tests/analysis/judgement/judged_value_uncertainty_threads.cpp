@@ -46,9 +46,9 @@ TEST_CASE("U of judged values: includes the reference in errors, the repeats in 
   REQUIRE(all.size() == 4 + 2 * 4);
   const auto known = [&](Criterion criterion, const Scope& scope = {}) { return figure_in(all, criterion, scope).u; };
   const double root3 = std::sqrt(3.0);
-  // The first taxel's mean error rises by 1/7 psi a repeat, the second's not: pooled, s^2 = 1/98 psi^2, in equal parts
-  // common (two degrees of freedom) and own (two): (1/98)^2 / (2 (1/196)^2 / 2) = 4 of them. Next to 0.1 psi of the
-  // certificate: 4 (combined / u)^4, with u^2 = 1/294.
+  // The first taxel's mean error rises by 1/7 psi per repeat, the second's not: pooled, s^2 = 1/98 psi^2, in equal
+  // parts common (two degrees of freedom) and own (two): (1/98)^2 / (2 (1/196)^2 / 2) = 4 of them. Next to 0.1 psi of
+  // the certificate: 4 (combined / u)^4, with u^2 = 1/294.
   const FigureUncertainty mean = known(Criterion::kMeanError), worst = known(Criterion::kWorstTaxelError);
   for (const FigureUncertainty& error : {mean, worst}) {
     CHECK(error.combined == Approx(std::hypot(0.1, 1.0 / 7.0 / std::sqrt(2.0) / root3)));
@@ -100,7 +100,7 @@ TEST_CASE("U of judged values: input, zero and temperature of the reference ente
   }
 }
 
-TEST_CASE("U of judged values: an error beyond the certificate has none, a distance keeps its own") {
+TEST_CASE("U of judged values: an error beyond the certificate has no U, a distance keeps its U") {
   const Dataset data = repeats_a_step_apart();
   ReferenceUncertainty reference = certified(0.02);
   reference.beyond = TraceabilityGap{.above = true};
@@ -133,7 +133,7 @@ TEST_CASE("U of judged values: a drift beyond its stated limit never lowers it, 
   }
 }
 
-TEST_CASE("U of judged values: without a certificate an error has none, a difference has one") {
+TEST_CASE("U of judged values: without a certificate an error has no U, a difference has U") {
   const Dataset data = repeats_a_step_apart();
   ReferenceUncertainty none;
   none.certificate_missing = "no certificate";

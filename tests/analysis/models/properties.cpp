@@ -1,4 +1,4 @@
-// What all models promise: they do not fall, direct and inverse undo each other, they are stored bit for bit; and what
+// Properties of all models: they do not fall, direct and inverse undo each other, they are stored bit for bit; and what
 // distinguishes them.
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -49,7 +49,7 @@ struct InverseOfDirect {
   int observable = 0, samples = 0;
 };
 
-// Turns lie where the slope is observable: an input at which the output stands still cannot be read, nor can what
+// Turns lie where the slope is observable: an input at which the output does not change cannot be read, nor can what
 // follows from a turn there.
 void inverse_of_direct(const HysteresisModel& model, unsigned seed, InverseOfDirect& result) {
   std::mt19937 random(seed);
@@ -252,7 +252,7 @@ TEST_CASE("models: GPI and MPI equal the sums of Eqs (2) and (5)") {
   CHECK(same);
 }
 
-TEST_CASE("POLY: an equal input is no turning point, and scaling or shifting its polynomial changes nothing") {
+TEST_CASE("POLY: an equal input makes no turning point, scaling or shifting its polynomial changes nothing") {
   const PolyModel poly = rising_poly();
   const auto state = poly.state();
   state->go(15.0);

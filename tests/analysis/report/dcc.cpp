@@ -69,7 +69,7 @@ TEST_CASE("a DCC lists every taxel at every level, and one without a model is Na
     }
 }
 
-TEST_CASE("a DCC names all that the report lacks for it, and a test report is none") {
+TEST_CASE("DCC: missing statements of the report are named, and a test report is refused") {
   ReportInput input = certified();
   CHECK(dcc_lacks(input).empty());
   const auto lacking = [&](std::string Laboratory::*field) {
@@ -99,7 +99,7 @@ TEST_CASE("a DCC names all that the report lacks for it, and a test report is no
   }
 }
 
-TEST_CASE("verdicts of a DCC: the schema's four words, and for what it has none a reason instead") {
+TEST_CASE("verdicts of a DCC: the schema's four words, or a reason for a verdict without such a word") {
   ReportInput input = certified();
   std::vector<JudgedFigure> figures;
   for (const Verdict verdict : {Verdict::kPass, Verdict::kConditionalPass, Verdict::kConditionalFail, Verdict::kFail,
@@ -136,7 +136,7 @@ TEST_CASE("as found and as left are two results of a DCC with their states") {
   CHECK(made.count("//dcc:measurementResult[.//dcc:status='afterAdjustment']//dcc:metaData") == 5);
 }
 
-TEST_CASE("the identifier of a DCC says simulated and draft, and a later one what it replaces") {
+TEST_CASE("DCC: the identifier states simulated and draft, and a later report states which one it replaces") {
   ReportInput input = certified();
   const auto identifier = [](const Certificate& made) { return made.at("//dcc:uniqueIdentifier"); };
   const Certificate draft(input);
@@ -157,7 +157,7 @@ TEST_CASE("the identifier of a DCC says simulated and draft, and a later one wha
   CHECK(real.count("//dcc:statement[@refType='tb_simulated']") == 0);
 }
 
-TEST_CASE("markup, control characters and blanks in what people typed stay text of a DCC") {
+TEST_CASE("DCC: markup, control characters and blanks in typed texts remain text") {
   for (const std::string& hostile : {std::string("</dcc:content><x y=\"1\">&amp;]]>"), std::string("a\x01\x1b\0b", 5),
                                      std::string("\n \t two  words \r\n"), std::string(" ")}) {
     ReportInput input = certified();

@@ -1,4 +1,4 @@
-// What a report gathers of a run and of further runs: taxels that count, swaps that can be told, runs that are refused.
+// Input of a report from a run and from further runs: counted taxels, detectable swaps, refused runs.
 #include <catch2/catch.hpp>
 #include <string>
 
@@ -129,7 +129,7 @@ TEST_CASE("gathered run: swapped lines need an earlier seating that did not fail
   CHECK(input.history.earlier_seating_run == 1);
 }
 
-TEST_CASE("counted taxels: are those with a model, or without models those that no finding excludes") {
+TEST_CASE("counted taxels: those with a model or, without models, those that no finding excludes") {
   Health health;
   health.rows = 2;
   health.columns = 2;

@@ -243,7 +243,7 @@ TEST_CASE("report: non-finite values are null in the JSON and are not printed") 
   CHECK(report.html.find("\"inf") == std::string::npos);
 }
 
-// What a report's number is a hash of: every result, and no name, time or host.
+// The hash in a report's number covers every result, and no name, time or host.
 
 TEST_CASE("report number: changes when any result changes") {
   const ReportInput input = example::full_input();

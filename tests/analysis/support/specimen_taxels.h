@@ -21,7 +21,7 @@ class SpecimenWalk {
     for (int n = 0; n < 3; ++n)
       for (const double level : levels_of({0, 60, 0})) go(level);
   }
-  // A row of outputs, one a taxel, at the end of the dwell; a step may be of any size.
+  // A row of outputs, one per taxel, at the end of the dwell; a step may be of any size.
   const std::vector<double>& go(double level, double ramp_s = 0.4, double dwell_s = 2.0) {
     for (int k = 1; k <= 4; ++k) specimen_.advance(level_ + (level - level_) * k / 4.0, ramp_s / 4.0);
     for (int k = 0; k < 4; ++k) specimen_.advance(level, dwell_s / 4.0);

@@ -38,7 +38,7 @@ inline SensorModel straight_fit() {
   return fit;
 }
 
-// What each taxel reads at each step.
+// The reading of each taxel at each step.
 struct Readings {
   std::vector<double> first_psi, second_psi;
 };

@@ -32,10 +32,10 @@ inline Finished well(Finished finished, int code = 0) {
 
 // The JSON has these members, among others.
 template <class Json>
-void check_members(const Json& told, const char* members) {
-  Json with_them = told;
+void check_members(const Json& printed, const char* members) {
+  Json with_them = printed;
   with_them.merge_patch(Json::parse(members));
-  CHECK(with_them == told);
+  CHECK(with_them == printed);
 }
 
 }  // namespace tactbench::tests

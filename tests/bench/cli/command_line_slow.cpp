@@ -1,4 +1,4 @@
-// What the command line refuses before a verb begins.
+// Refusals of the command line before a verb begins.
 #include <sqlite3.h>
 
 #include <algorithm>
@@ -213,7 +213,7 @@ TEST_CASE("demo: measures the sequences of the paper, and its models are scored 
   CHECK(held_out["raw_distance_fs"].get<double>() == Approx(0.10).margin(0.012));
   CHECK(held_out["comp_distance_of_mean_fs"].get<double>() < 0.015);
   CHECK(held_out["comp_distance_of_mean_fs"].get<double>() > 0.0);
-  // On the sensor as it was measured, and mounted anew, all means pass; a month later and warmer it is out of its
+  // On the sensor as measured, and re-mounted, all means pass; a month later and warmer it is out of its
   // limits. Of single readings one long way, or one mount, says too little.
   for (const json& verdict : result["verdicts"]) {
     if (verdict["run"] != 5 && verdict["criterion"] != "mpe") CHECK(verdict["shown"] == "simulated pass");
@@ -420,7 +420,7 @@ TEST_CASE("frame reading: a verb reads the frames of each run only once") {
   write_file(limits, read_file(limits) + "# another file\n");
   CHECK(frames_read_by(folder, {"report", "1", "--limits", limits, "-o", page}) == RunsRead{1, 2});
 
-  // All that further runs tell: creep and temperature, a mount, an object, paces; and earlier models.
+  // All results of further runs: creep and temperature, a mount, an object, paces; and earlier models.
   CHECK(frames_read_by(folder, {"report", "1", "2", "--held-out", "2", "--previous", "2", "--studies", "3:mount", "4",
                                 "5", "-o", page}) == RunsRead{1, 2, 3, 4, 5});
   CHECK(frames_read_by(folder, {"report", "--compare", "1", "2", "-o", folder.path("c.html")}) == RunsRead{1, 2});

@@ -77,7 +77,7 @@ TEST_CASE("JSON vocabulary: show, list, export, run, tag and report use the same
   CHECK(reported["devices"][0]["calibration"] == exported["devices"][0]["calibration"]);
   check_within(report["identification"]["sensor"], answer_of(folder, {"sensors", "show", "S-1"}));
 
-  // A report of before is still one, and its signature stands.
+  // An earlier report is still valid, and so is its signature.
   write_file(folder.path("old.json"),
              R"({"schema":"tactbench.report","version":1,"document":"Test report","number":"1-0123abcd",)"
              R"("identification":{"run":{"sensor_serial":"S-1"},"approvals":[{"number":"1-0123abcd"}]}})");

@@ -16,7 +16,7 @@ struct StoreHere {
     return verb_here(add, std::move(words));
   }
   template <class Json>
-  [[nodiscard]] Json told(AddVerb add, std::vector<std::string> words) const {
+  [[nodiscard]] Json printed(AddVerb add, std::vector<std::string> words) const {
     words.emplace_back("--json");
     return Json::parse(say(add, std::move(words)).out);
   }

@@ -15,7 +15,7 @@
 
 namespace tactbench::tests {
 
-// What is written to a stream of the process within its scope.
+// Text written to a stream of the process within the object's scope.
 class Captured {
  public:
   explicit Captured(std::FILE* stream) : stream_(stream) {
@@ -46,7 +46,7 @@ class Captured {
   int kept_ = -1;
 };
 
-// What `print` prints on standard output. No assertion belongs into it.
+// Text that `print` prints on standard output. `print` must not contain assertions.
 template <class Print>
 std::string printed_by(const Print& print) {
   Captured out(stdout);
@@ -56,7 +56,7 @@ std::string printed_by(const Print& print) {
 
 using bench::AddVerb;
 
-// The verb that `add` adds, with its name first. An error stands in `err` as the program prints it.
+// The verb that `add` adds, with its name first. An error is in `err` as the program prints it.
 Finished verb_here(AddVerb add, std::vector<std::string> words);
 
 }  // namespace tactbench::tests

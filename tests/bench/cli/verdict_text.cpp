@@ -99,7 +99,7 @@ TEST_CASE("verdict text: a pass based on means only is marked, and passed values
   CHECK(failed.find("8.00 psi") < failed.find("2.50 psi"));  // the closest pass
 }
 
-TEST_CASE("a pass by readings names the kinds of history that no judged run tells of, and a fail none") {
+TEST_CASE("pass by readings: names the kinds of history without U in any judged run, a fail names none") {
   using analysis::UseCondition;
   const auto of_kinds = [](std::int64_t run, Verdict verdict, std::vector<UseCondition> kinds) {
     analysis::JudgedFigure figure = judged_figure(run, analysis::Criterion::kMpe, 1.0, 3.0, verdict);

@@ -20,7 +20,7 @@ using namespace tactbench::bench;
 
 namespace {
 
-// What children write, read here; the end for them is handed over.
+// A pipe: children write to the end passed to them, the test reads the other.
 struct ChildOutput {
   ChildOutput() {
     int ends[2];

@@ -209,7 +209,7 @@ TEST_CASE("signed reports: a number counts if an approval in the same document n
 
 // The whole table of beginnings by which files are known, and names that are open files already.
 
-TEST_CASE("file kind: each signature in the table is a kind of its own, and none without its last byte") {
+TEST_CASE("file kind: each signature in the table is a separate kind, and is not recognised without its last byte") {
   const std::string other = kind_of_file("my notes\n");
   const std::vector<std::vector<std::string>> kinds = {
       {std::string("SQLite format 3\0", 16)},

@@ -152,7 +152,7 @@ TEST_CASE("private files: trips of the machine are stored only in a group folder
   CHECK(state_folder(machine) == machine);
   std::filesystem::create_directory_symlink(machine, folder.path("link"));
   CHECK(refused_as([&] { (void)state_folder(folder.path("link")); }) == "TB-FOLDER-UNSAFE");
-  // One member writes, another reads and goes on writing; who is none is told.
+  // One member writes, another reads and continues to write; a non-member gets an error.
   REQUIRE(chmod(folder.path().c_str(), 0755) == 0);
   const std::string path = machine + "/rig.log";
   const auto as_member = [&](uid_t user, gid_t group, const std::function<bool()>& work) {

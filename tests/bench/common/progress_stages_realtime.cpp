@@ -87,7 +87,7 @@ TEST_CASE("progress of an import: shows its stages and their share while it wait
   CHECK(db::RunStore::open_read_only(folder.path("runs.db")).runs().size() == 1);
 }
 
-TEST_CASE("progress of a night: a terminal shows the percentage done and no count, none with --json or -q") {
+TEST_CASE("progress of a night: a terminal shows the percentage done, no progress with --json or -q") {
   const TemporaryFolder folder;
   write_file(folder.path("s.toml"),
              "schema = 1\nname = \"small\"\n[[scenario]]\nname = \"misspelt\"\nabout = \"a\"\nrecipes = [\"no-such\"]\n"
@@ -111,7 +111,7 @@ TEST_CASE("progress of a night: a terminal shows the percentage done and no coun
   }
 }
 
-TEST_CASE("progress: one line on a terminal, none with --json or -q") {
+TEST_CASE("progress: one line on a terminal, no line with --json or -q") {
   const TemporaryFolder folder;
   write_loops(folder);
   InTerminal silent(folder.path(), search("4096", {"-q"}), 100, 24),

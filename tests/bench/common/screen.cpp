@@ -1,4 +1,4 @@
-// What reaches a terminal: painted blocks, the line that is written over, and the words of long work.
+// Output on a terminal: painted blocks, the line that is written over, and the words of long work.
 #include <fcntl.h>
 #include <poll.h>
 #include <pty.h>

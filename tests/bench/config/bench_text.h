@@ -24,7 +24,7 @@ inline bench::BenchConfig hardware_bench(const Changes& changes = {}) {
   return bench::parse_bench(bench_text("hardware"), "b.toml", changes);
 }
 
-// What a file is refused with.
+// The error with which a file is refused.
 struct Refusal {
   std::string id = "accepted", where, remedy;
 };

@@ -365,7 +365,7 @@ TEST_CASE("stated values: a hardware bench must state what each certificate cove
   dependent.erase(dependent.find("model = \"m\""));
   dependent += "independent = false\ncertificate = \"C-1\"\n";
   CHECK(covers_refusal(bench::parse_bench(dependent, "b.toml", {})) == "accepted");  // the regulator's own output
-  // What is not filled in comes first.
+  // Values still to be filled in come first.
   const BenchConfig open = hardware_bench({{"reference.certificate", "FILL-IN"}, {"bench.location", "FILL-IN"}});
   CHECK(placeholders_of(open) == Words{"bench.location (--set)", "reference.certificate (--set)"});
   CHECK(covers_refusal(open) == "TB-BENCH-FILL-IN");

@@ -1,4 +1,4 @@
-// What the fleet is told of a run, and runs that come back one by one.
+// Facts that the fleet gets about a run, and runs that are copied back one by one.
 #include "bench/fleet/facts.h"
 
 #include <catch2/catch.hpp>

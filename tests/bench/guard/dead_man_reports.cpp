@@ -1,4 +1,4 @@
-// What the sequencer makes of its dead-man's answers. The processes themselves: dead_man_watched_realtime.cpp.
+// How the sequencer evaluates its dead-man's answers. The processes themselves: dead_man_watched_realtime.cpp.
 #include "bench/guard/dead_man_reports.h"
 
 #include <catch2/catch.hpp>
@@ -75,7 +75,7 @@ TEST_CASE("dead-man reports: blind is reported once, and ends the run at the sec
   CHECK_FALSE(reports.fired());
 }
 
-TEST_CASE("dead-man reports: one that ends by itself is lost, one that ends after firing is not") {
+TEST_CASE("dead-man reports: a dead-man that ends by itself is lost, one that ends after firing is not") {
   DeadManReports gone(kTimeout, true), fired(kTimeout, true);
   gone.ended();
   CHECK(lost_id(gone) == "TB-DEADMAN-ENDED");

@@ -181,7 +181,7 @@ TEST_CASE("dead-man watched: one that is frozen until its run has ended does not
   CHECK_FALSE(rig.fired());
 }
 
-TEST_CASE("dead-man watched: a killed one is reported as ended at once") {
+TEST_CASE("dead-man watched: a killed dead-man is immediately reported as ended") {
   Watched rig;
   rig.start_long();
   const auto killed = std::chrono::steady_clock::now();

@@ -112,7 +112,7 @@ TEST_CASE("state folder: is in XDG_STATE_HOME, or else in the home folder") {
   CHECK(state_folder("/no/machine") == folder.path(".local/state/tactbench"));
 }
 
-// Which readings of a pressure instrument can be true, and when one stands still.
+// Which readings of a pressure instrument can be true, and when it is frozen.
 
 using namespace tactbench;
 
@@ -164,7 +164,7 @@ TEST_CASE("witness: the possible range follows from span, live zero, safe_psi an
   CHECK(std::isinf(gauge.high_psi));
 }
 
-TEST_CASE("witness: an impossible reading is doubted at once, and its duration is measured") {
+TEST_CASE("witness: an impossible reading is doubted immediately, and its duration is measured") {
   const TrueRange range{-1.0, 100.0};
   CHECK(seen(range, {0.0}).doubt().empty());
   CHECK_FALSE(seen(range, {}).ever_possible());
@@ -179,7 +179,7 @@ TEST_CASE("witness: an impossible reading is doubted at once, and its duration i
   }
 }
 
-TEST_CASE("witness: one that stays constant while the other moves by more than 5 psi is doubted") {
+TEST_CASE("witness: an instrument that stays constant while the other moves by more than 5 psi is doubted") {
   const auto still = [](const std::vector<std::pair<double, double>>& readings, bool second) {
     PressureWitness first({}), other({-1.0, 100.0});
     double time_s = 0.0;

@@ -90,12 +90,12 @@ TEST_CASE("live: its summary of the last frame agrees with the written table") {
     CHECK(last.dead == 1);
     CHECK(last.taxels == 255);
     CHECK((last.outside > 0) == elsewhere);
-    const auto told = nlohmann::json::parse(done.out);
-    CHECK(told.at("frames") == 3);
-    CHECK(told.at("lost_frames") == 0);
-    CHECK(told.at("origin") == "simulated");
-    CHECK(told.at("outside_validity").empty() == !elsewhere);
-    const auto& frame = told.at("last_frame");
+    const auto printed = nlohmann::json::parse(done.out);
+    CHECK(printed.at("frames") == 3);
+    CHECK(printed.at("lost_frames") == 0);
+    CHECK(printed.at("origin") == "simulated");
+    CHECK(printed.at("outside_validity").empty() == !elsewhere);
+    const auto& frame = printed.at("last_frame");
     CHECK(frame.at("mean_psi").get<double>() == Approx(last.sum_psi / 255).margin(1e-3));
     CHECK(frame.at("highest_psi").get<double>() == Approx(last.highest_psi).margin(1e-3));
     CHECK(frame.at("flat") == last.flat);

@@ -1,4 +1,4 @@
-// `status` and `watch` beside a run in another process: while it conditions, measures, asks its operator and has ended;
+// `status` and `watch` during a run in another process: while it conditions, measures, asks its operator and has ended;
 // in a terminal and in a pipe; of a run that is stopped, and of one that was killed.
 #include <catch2/catch.hpp>
 #include <csignal>
@@ -37,18 +37,18 @@ struct StatusRig : ServedRig {
     return start(words);
   }
   [[nodiscard]] json status() const {
-    const Finished told = run({"status", "--json"});
-    INFO(told.err);
-    REQUIRE(told.code == 0);
-    return json::parse(told.out);
+    const Finished printed = run({"status", "--json"});
+    INFO(printed.err);
+    REQUIRE(printed.code == 0);
+    return json::parse(printed.out);
   }
   // The first live run once `so`; null when that never comes.
   [[nodiscard]] json live_when(const std::function<bool(const json&)>& so) const {
     json found;
     (void)comes_true([&] {
-      const json told = status();
-      if (told["live"] != true || !so(told["runs"][0])) return false;
-      found = told["runs"][0];
+      const json printed = status();
+      if (printed["live"] != true || !so(printed["runs"][0])) return false;
+      found = printed["runs"][0];
       return true;
     });
     return found;
@@ -143,10 +143,10 @@ TEST_CASE("status: a stopped process is named, a killed one leaves its run, and 
   run.process().signal(SIGSTOP);
   const Finished silent = run_program(program_path(), {"status", "--bench", "watched"}, folder);
   CHECK(silent.code == 0);
-  const json told = json::parse(run_program(program_path(), {"status", "--json"}, folder).out);
-  CHECK(told["live"] == false);
-  CHECK(told["silent"][0]["run"] == 1);
-  CHECK(told["last_run"]["lives"] == true);
+  const json printed = json::parse(run_program(program_path(), {"status", "--json"}, folder).out);
+  CHECK(printed["live"] == false);
+  CHECK(printed["silent"][0]["run"] == 1);
+  CHECK(printed["last_run"]["lives"] == true);
   run.process().signal(SIGKILL);
   CHECK(run.process().wait() == -SIGKILL);
   CHECK(watching.wait() == 3);

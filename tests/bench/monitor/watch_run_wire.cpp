@@ -22,7 +22,7 @@ using namespace tactbench::tests;
 
 namespace {
 
-// A run as those who ask it see it: the i-th question gets the i-th answer; after the last one it hangs up for good.
+// A run as seen by its clients: the i-th request gets the i-th answer; after the last one it closes the connection.
 class AnswersOneByOne {
  public:
   // `before_end`: done once all answers were given.
@@ -68,9 +68,9 @@ struct WatchedStore {
     status.phase = phase;
     status.readings->time_s = time_s;
     if (run != 0) status.run = run;
-    nlohmann::json told{{"bench", "rig-1"}, {"denied", denied}, {"taken", true}, {"text", ""}};
-    add_status_json(told, status);
-    return told.dump();
+    nlohmann::json reply{{"bench", "rig-1"}, {"denied", denied}, {"taken", true}, {"text", ""}};
+    add_status_json(reply, status);
+    return reply.dump();
   }
   // By the run's process, as its last.
   void end() {

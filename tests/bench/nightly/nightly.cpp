@@ -384,7 +384,7 @@ TEST_CASE("night process: each scenario runs in its own process, results are in 
   CHECK_THAT(read_file(night.kept("bad.log")), Catch::EndsWith("\nit says this\nand this\n"));
 }
 
-TEST_CASE("night process: runs as many scenarios at a time as jobs, and none after a failed one on request") {
+TEST_CASE("night process: runs as many scenarios in parallel as jobs, and on request stops after a failed one") {
   ScriptedNight alone({"good-a", "good-b"});
   alone.options.jobs = 1;
   CHECK(alone.carry_out().size() == 2);

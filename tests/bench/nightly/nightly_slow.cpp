@@ -98,7 +98,7 @@ TEST_CASE("night: nights are kept in one store, compared with a baseline, and ch
   CHECK(call({"verify", "--db", "nights.db"}).code == 0);
 }
 
-// A night in parts, put together, beside the same night in one; what merging takes and refuses.
+// A merged night in parts, compared with the same night in one; what merging accepts and refuses.
 
 namespace {
 

@@ -72,7 +72,7 @@ TEST_CASE("night: when its process is killed, its scenarios end") {
   night.night->signal(SIGKILL);
   (void)night.night->wait();
   CHECK(comes_true([&] { return living_below(night.temporary()) == 0; }));
-  // What it left goes with the next night.
+  // The next night removes its remains.
   const auto left = [&] {
     const std::filesystem::directory_iterator all(night.temporary());
     return std::count_if(begin(all), end(all), [](const auto& entry) {

@@ -225,7 +225,7 @@ TEST_CASE("kept nights: the runs of a night are stored once, with tag, values an
   CHECK(nights.store().nights().size() == 2);
 }
 
-TEST_CASE("fixed seeds: compares a night with the last one: none, same frames with other values, other frames") {
+TEST_CASE("fixed seeds: a night is compared with the last one: none, equal frames with other values, other frames") {
   KeptNights nights;
   const std::map<std::string, double> figures = {{"a", 2.0}, {"b", 5.0}, {"c", 1.0}, {"d", 0.0}};
   const ScenarioResult first = night_of_one(nights, {{}}, figures, "2026-01-02T00:00:00Z");

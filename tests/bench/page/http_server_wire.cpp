@@ -1,5 +1,5 @@
 // The page's HTTP server to the byte: heads, bodies and ends of its answers, its limits at their edges, and streams. By
-// raw sockets, to a handler that tells what it was asked.
+// raw sockets, to a handler that echoes the request.
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <chrono>
@@ -98,7 +98,7 @@ std::string head_of(std::size_t bytes) {
 
 const std::string kStream = "GET /stream HTTP/1.1\r\nHost: x\r\n\r\n";
 
-// A server that publishes an ever greater number, in events of 4 kB, a hundred times a second.
+// A server that publishes an ever greater number, in events of 4 kB, a hundred times per second.
 struct Flood {
   Flood()
       : server({}, [](const HttpRequest&, const Reply& reply) {

@@ -1,4 +1,4 @@
-// The page beside a live run: it is found by its bench and store, shown with each piece of news, takes commands and
+// The page of a live run: it is found by its bench and store, shown with each piece of news, takes commands and
 // answers, and is let go when it hangs up.
 #include <nlohmann/json.hpp>
 #include <string>

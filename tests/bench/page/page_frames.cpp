@@ -188,11 +188,11 @@ TEST_CASE("page loops: are empty for a run without a scale") {
 TEST_CASE("page loops: have at most the newest four thousand points") {
   FramesByHand made(4002);
   for (int i = 0; i < 4002; ++i) made.add(0.01 * i, {static_cast<std::uint16_t>(i)}, 1, 1);
-  const nlohmann::json told = made.loop(0, 0);
-  REQUIRE(told["x"].size() == 4000);
-  CHECK(told["last"] == 4002);
-  CHECK(told["y"][0] == 0.002);
-  CHECK(told["y"][3999] == 4.001);
+  const nlohmann::json points = made.loop(0, 0);
+  REQUIRE(points["x"].size() == 4000);
+  CHECK(points["last"] == 4002);
+  CHECK(points["y"][0] == 0.002);
+  CHECK(points["y"][3999] == 4.001);
   CHECK(made.loop(0, 3)["x"].size() == 3999);
   CHECK(made.loop(0, 1)["x"].size() == 4000);
 }

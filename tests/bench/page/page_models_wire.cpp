@@ -89,7 +89,7 @@ TEST_CASE("page models: come from the newest earlier valid run of the same senso
   CHECK(made.words(6) == "none");
   made.store.void_run(3, "by hand", "me", "2026-03-02T00:00:00Z");
   CHECK(made.words(7) == "elam of run 2");
-  // A fit of the mean alone stands for no run.
+  // A fit of only the mean does not represent its run.
   analysis::FitOptions mean;
   mean.mean_alone = true;
   mean.model = "monotone";

@@ -1,5 +1,5 @@
-// The page in a process of its own beside a run: frozen and killed in mid-run the run ends as without it, to the last
-// bit; and the page that a run starts ends by itself.
+// The page in a separate process next to a run: if it is frozen or killed during the run, the run ends as without it,
+// to the last bit; and the page that a run starts ends by itself.
 #include <catch2/catch.hpp>
 #include <csignal>
 #include <iterator>

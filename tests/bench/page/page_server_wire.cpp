@@ -1,4 +1,4 @@
-// The page's server in all its words: what a new viewer gets, each place that tells of the store, documents, and links.
+// Answers of the page's server: the first events of a viewer, each path with data of the store, documents, and links.
 #include <sys/wait.h>
 #include <unistd.h>
 

@@ -32,7 +32,7 @@ class RawClient {
   bool send(const std::string& bytes) const {
     return open_ && ::send(descriptor_, bytes.data(), bytes.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(bytes.size());
   }
-  // What comes within that time, until the server closes or `until` is in it.
+  // The text received within that time, until the server closes or the text contains `until`.
   std::string read(int longest_ms = 30'000, const std::string& until = {}) {
     using Clock = std::chrono::steady_clock;
     const auto end = Clock::now() + std::chrono::milliseconds(longest_ms);

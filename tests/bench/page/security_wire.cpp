@@ -1,4 +1,5 @@
-// What the page's server refuses, by raw sockets: the real server with a real store. access_rules.cpp has the rules.
+// Requests that the page's server refuses, by raw sockets: the real server with a real store. access_rules.cpp has the
+// rules.
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <memory>

@@ -1,4 +1,4 @@
-// What the page tells of the run on show: its state with each member, the last one of a bench, a store that is not
+// The page's data about the displayed run: its state with each member, the last one of a bench, a store that is not
 // there; the safe state; and the lists of runs and sensors. On runs that are stored by hand.
 #include "bench/page/displayed_run.h"
 
@@ -204,7 +204,7 @@ TEST_CASE("shown run: new frames of a live run appear at once, its end appears w
   show.look(&live);
   CHECK(show.consume_new_picture());
   made.add_frame(run);
-  show.look(&live);  // it tells of nothing new: the store is read again three seconds later
+  show.look(&live);  // it reports nothing new: the store is read again three seconds later
   const bool early = std::chrono::steady_clock::now() - begun < std::chrono::seconds(3);
   CHECK(show.consume_new_picture() == !early);
   live.status.frames = 2;

@@ -1,4 +1,4 @@
-// Commands on the page to a run that tells its state and answers no command: how many wait, and what each is told when
+// Commands on the page to a run that sends its state but answers no command: how many wait, and the answer to each when
 // it hangs up or stays silent. The run is a socket of the test's own.
 #include <poll.h>
 #include <sys/socket.h>

@@ -46,7 +46,7 @@ class MadeCertificate {
   std::string certificate, key;
 };
 
-// What a client gets over TLS of that version at most; empty: no handshake.
+// The answer to a client over TLS of at most that version; empty: no handshake.
 std::string asked_over_tls(std::uint16_t port, const std::string& request, int version = TLS1_3_VERSION) {
   const std::unique_ptr<SSL_CTX, decltype(&SSL_CTX_free)> context(SSL_CTX_new(TLS_client_method()), &SSL_CTX_free);
   SSL_CTX_set_security_level(context.get(), 0);

@@ -1,4 +1,4 @@
-// What further runs tell of a budget: which of them is of the same state, later, mounted anew, warmer or at another
+// Further runs in a budget: which of them has the same state, is later, re-mounted, warmer or at another
 // dwell, and what a thermometer resolves. On runs that are stored by hand.
 #include <fmt/format.h>
 
@@ -104,7 +104,7 @@ TEST_CASE("budget runs: runs more than a day apart, before or after, count as an
     CHECK(change_of(change) == (row.days == nullptr ? "" : "later "));
     if (row.days != nullptr) CHECK(change.words.find(row.days) != std::string::npos);
   }
-  // A bench of hardware tells nothing of mounts.
+  // A hardware bench does not record mounts.
   FilmRun mounted = film_set({{"simulation.mount_seed", "1"}});
   CHECK_FALSE(made.change(mounted).any());
 }

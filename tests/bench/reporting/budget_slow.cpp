@@ -38,7 +38,7 @@ void budget_run(const TemporaryFolder& folder, const std::string& recipe, const 
 }
 
 // 1: loops at 23 degC, read with a thermometer. 2: 40 psi held for ten minutes. 3: loops at 28 degC. 4: the same a
-// month later. 5: 20 psi held. 6: loops at 28 degC with the sensor mounted anew.
+// month later. 5: 20 psi held. 6: loops at 28 degC with the sensor re-mounted.
 const TemporaryFolder& budget_runs() {
   static const TemporaryFolder folder;
   static const bool made = [&] {
@@ -54,7 +54,7 @@ const TemporaryFolder& budget_runs() {
     budget_run(folder, "loops.toml", {kThermometer, once, warm, "simulation.mount_seed=1"});
     budget_run(folder, "creep-levels", {});
     REQUIRE(call(folder, {"fit", "1"}).code == 0);                     // 1:1
-    REQUIRE(call(folder, {"fit", "1", "--model", "elam"}).code == 0);  // 1:2, which stands for the run
+    REQUIRE(call(folder, {"fit", "1", "--model", "elam"}).code == 0);  // 1:2, which represents the run
     return true;
   }();
   (void)made;
@@ -169,7 +169,7 @@ TEST_CASE("creep uncertainty: agrees with the error change in a ten-minute hold,
   CHECK(own.end_of_half_width == Approx(1.0).margin(0.15));  // no more than it must be
   CHECK(own.rms_of_u < 1.25);
   CHECK(own.rms_of_u > 0.8);
-  // 20 psi, not held by the run that tells of creep, and held.
+  // 20 psi, not held by the run with creep, and held.
   const Coverage other = coverage_of(store, 5, {2});
   CAPTURE(other.within_u, other.within_u_without, other.beyond_half_width, other.end_of_half_width, other.rms_of_u);
   CHECK(other.within_u > 0.93);
@@ -233,20 +233,20 @@ TEST_CASE("report: finds the temperature coefficient and the creep of the film")
   CHECK(held["to_s"].get<double>() - held["from_s"].get<double>() == Approx(600.0).margin(0.05));
   CHECK(found["creep"]["covered_to_s"] == held["to_s"]);
   CHECK(found["creep"]["levels"][0]["taxel_share"].size() == 256);
-  // Runs after the report's own tell the same.
+  // Runs after the report's run give the same result.
   CHECK(reading_of(folder, {"report", "1", "2", "3"}) == found);
   const json &before = alone["levels"][10]["median"], &after = found["levels"][10]["median"];
   CHECK(after["expanded_psi"].get<double>() > before["expanded_psi"].get<double>());
   CHECK(after["error_psi"].get<double>() > before["error_psi"].get<double>());  // half of creep is taken off
 
-  // The dynamic model undoes the creep that its own run tells: holds tell what it leaves.
+  // The dynamic model compensates the creep of its own run: holds show the rest.
   const json dynamic = reading_of(folder, {"report", "1", "--model", "1:1", "--studies", "2"});
   CHECK_FALSE(dynamic["not_assessed"].contains("creep under load"));
   const double left = dynamic["creep"]["levels"][0]["median_share"], whole = held["median_share"];
   INFO("share of the output: " << whole << ", beyond the model's " << left);
   CHECK(left < 0.7 * whole);
 
-  // A month later, and mounted anew: no evidence of temperature alone.
+  // A month later, and re-mounted: not evidence of temperature alone.
   for (const std::vector<std::string>& words :
        {std::vector<std::string>{"report", "1", "--studies", "4"}, std::vector<std::string>{"report", "1", "6"}}) {
     const std::string open = reading_of(folder, words)["not_assessed"]["temperature"];

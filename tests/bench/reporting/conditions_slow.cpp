@@ -89,7 +89,7 @@ TEST_CASE("conditions: U of one mount does not cover a re-mount or a month later
   const json& judgement = data["results"]["judgement"];
   CHECK(judgement["overall"] == "fail");
   for (const char* source : {"re-mounting", "temperature", "time"}) CHECK_FALSE(leaves_open(judgement, source));
-  CHECK_FALSE(judgement["not_assessed"].empty());  // no run tells the age of the reference's calibration
+  CHECK_FALSE(judgement["not_assessed"].empty());  // no run shows the age of the reference's calibration
   for (const char* run : {"1", "2", "3", "4"}) CHECK(call(folder, {"verify", run}).code == 0);
 }
 
@@ -161,7 +161,7 @@ TEST_CASE("decision rules: give their exit codes and warnings, and are stored an
   judged_by("guarded", value + half, 1, "fail");
   CHECK(judged_by("simple", value + half, 0, "pass").find("warning") == std::string::npos);
   judged_by("report-only", value - 3.0 * half, 0, "report only");
-  CHECK(stored.store.verdicts(2).empty());  // judged anew, not stored
+  CHECK(stored.store.verdicts(2).empty());  // judged again, not stored
 
   write_limits(folder, "four-way", value - half);
   const Finished fit = call(folder, {"fit", "1"}, {"judge", "1", "2", "--limits", "near.toml"});
@@ -356,7 +356,7 @@ double rms_of(const std::vector<double>& values) {
 
 }  // namespace
 
-TEST_CASE("chamber uniformity: turning the sensor reveals the tilt of a chamber, and none in a level chamber") {
+TEST_CASE("chamber uniformity: turning the sensor reveals the tilt of a chamber, and shows none if there is none") {
   const analysis::ReportInput tilted_input = turned_runs(kTilt), level_input = turned_runs(0.0);
   const analysis::Uniformity &tilted = tilted_input.more.studies.uniformity,
                              &level = level_input.more.studies.uniformity;
@@ -383,7 +383,7 @@ TEST_CASE("chamber uniformity: turning the sensor reveals the tilt of a chamber,
   CHECK(2.0 * u_cell < 0.05 * kTilt);
   CHECK(rms_of(off_chamber) < 3.0 * u_cell);
   CHECK(rms_of(off_sensor) < 3.0 * u_cell);
-  // What goes into the uncertainty of a reading.
+  // Contributions to the uncertainty of a reading.
   CHECK(tilted.u_share == Approx(rms_of(planted)).epsilon(0.05));
   CHECK(level.u_share < 0.1 * tilted.u_share);
   CHECK(tilted.residual_rms_psi < 1.5 * level.residual_rms_psi);

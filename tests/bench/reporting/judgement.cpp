@@ -88,7 +88,7 @@ TEST_CASE("evidence: the reference data are those on the day of the run, updated
   CHECK(of(4, {{"R-1", "", "", "", "2027-02-01", ""}}).shows.contains(analysis::Source::kReferenceAge));
 }
 
-// Verdicts of before beside new ones, and what is stored.
+// Earlier verdicts together with new ones, and the stored rows.
 
 TEST_CASE(
     "stored judgement: has verdicts of all fits with the same models and the newest limits, marks lost evidence") {
@@ -123,7 +123,8 @@ TEST_CASE(
   CHECK_THAT(made.kept(kept), Catch::StartsWith("1 mean_compensation_error 0.125 of 1: inconclusive; ||"));
 }
 
-TEST_CASE("judge: verdicts of each run are stored with the fit, none by report-only limits, earlier worse ones count") {
+TEST_CASE(
+    "judge: verdicts of each run are stored with the fit, except by report-only limits, earlier worse ones count") {
   JudgedStore made(3);
   analysis::SensorModel models = film_line_model();
   models.fit = made.keep(models);
@@ -159,7 +160,7 @@ TEST_CASE("judge: verdicts of each run are stored with the fit, none by report-o
         "2 mean_compensation_error 0.5 of 1: pass; 2 mean_compensation_error 0.5 of 10: inconclusive; ");
   REQUIRE(withheld.remarks.size() == 2);
   CHECK((withheld.remarks[1].run == 3 && withheld.remarks[1].untraced->overdue_since == "2026-02-01"));
-  // Without its file the stored verdict stands; judged again without it, it is replaced.
+  // Without its file the stored verdict is kept; judged again without it, it is replaced.
   analysis::Runs runs(made.store);
   const bench::StoredVerdicts stored = bench::stored_verdicts(runs, models, false);
   CHECK(film_mean_text(
@@ -287,7 +288,7 @@ TEST_CASE("valid verdicts: on the run of the models they are inconclusive, and c
   CHECK(made.standing(1) == "1 on 3: fail; 2 on 1: pass; ");
 }
 
-TEST_CASE("valid verdicts: none on a void run, and none by models of a void run") {
+TEST_CASE("valid verdicts: a void run and models of a void run have no verdict") {
   StandingByHand made;
   made.add_runs(4);
   const std::int64_t fit = made.add_fit(1), other = made.add_fit(4);

@@ -57,7 +57,7 @@ struct PdfByScript {
       return {};
     }
   }
-  // What becomes of that text.
+  // The text after the dates are set.
   [[nodiscard]] std::string dated(const std::string& text) const {
     write_file(folder.path("pdf"), "%PDF-" + text);
     (void)write_pdf(request);

@@ -111,7 +111,7 @@ TEST_CASE("sensor state: the verdict is the newest valid one, and expires as the
 
 namespace {
 
-// What is in doubt: "" nothing, "all", or since which day.
+// Measurements in doubt: "" none, "all", or since which day.
 std::string in_doubt(const analysis::ReportInput& input) {
   const std::string& doubt = input.more.previous->doubt;
   const std::size_t day = doubt.find("20");
@@ -188,7 +188,7 @@ TEST_CASE("as found: earlier models are judged by the limits of the report, and 
   CHECK(without.more.previous->judgement.figures.empty());
 }
 
-TEST_CASE("as found where no models are named: the newest of the sensor's runs before that counts, else none") {
+TEST_CASE("as found: without named models, those of the sensor's newest earlier valid run are used, else none") {
   AsFoundStore made;
   const std::int64_t later = made.add_judged("2025-02-01T00:00:00Z", "pass"),
                      other = made.add_judged("2025-02-01T00:00:00Z", "pass", "S-2");

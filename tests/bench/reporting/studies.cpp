@@ -1,4 +1,4 @@
-// What further runs give a report: mounts, turns, paces and presses, each with its runs in order. On runs of one taxel
+// Further runs in a report: mounts, turns, paces and presses, each with its runs in order. On runs of one taxel
 // that are stored by hand, with models of a straight line.
 #include <fmt/format.h>
 
@@ -50,7 +50,7 @@ class StudiedRuns : public FilmStore {
         "schema = 1\nname = \"{}\"\nkind = \"press\"\ndwell_s = 0.5\n[press]\nobject = \"{}\"\npositions_mm = [[1, "
         "1]]\nforces_n = [1, 2]\n",
         made.name, made.object);
-    // One of loops stands before that of the presses.
+    // The chart of loops comes before that of the presses.
     run.sequences = {{0, "other", "", "", 1, 3},
                      {1, made.name, made.with_recipe ? recipe : "", "", 1, 4 * made.places}};
     run.devices = {{"tactile scanner", "synthetic", "", "", "simulated", R"({"volts_per_count":0.0001})"},
@@ -254,7 +254,7 @@ TEST_CASE("study roles: without a role, or without contrary records, the stated 
   const db::RunRecord own = placed_run(1);
   CHECK(role_refusal("", own, simulated_run(2, "90", "0"), StudyPurpose::kPresses).empty());
   for (const char* role : {"mount", "0", "90", "180", "270"}) CHECK(role_refusal(role, own, placed_run(2)).empty());
-  // What is no number, and other tags, say nothing of a turn.
+  // Other tags, and values that are not numbers, do not state a turn.
   for (const char* tag : {"turned=a quarter", "turned=90 degrees", "turned", "turned90", "returned=90", "turned="})
     CHECK(role_refusal("180", own, placed_run(2, {tag})).empty());
   // A bench that cannot be read, or is not simulated.

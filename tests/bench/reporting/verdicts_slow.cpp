@@ -62,7 +62,7 @@ class VerdictBench {
     CHECK_THAT(finished.err,
                Catch::Contains("[" + id + "]") && Catch::Contains("\n  at: ") && Catch::Contains("\n  try: "));
   }
-  // What `runs list` says of the run.
+  // The row of the run in `runs list`.
   std::string listed(int run) const {
     const json document = answer({"runs", "list", "--all"}, 0);
     for (const json& row : document["runs"])
@@ -105,7 +105,7 @@ TEST_CASE("verdicts: every held-out run is judged, the worst decides, and it is 
 
   CHECK(bench.call({"verify", "1"}).code == 0);
 
-  // Whatever the order of arguments, judged anew and stored.
+  // In any order of arguments, judged again and stored.
   for (const Words& order : {Words{"2", "3", "4"}, Words{"4", "2", "3"}}) {
     INFO(order[0] << " " << order[1] << " " << order[2]);
     const json report = bench.answer(joined({"report", "1", "--limits", "limits-a.toml", "--held-out"}, order), 1);
@@ -124,7 +124,7 @@ TEST_CASE("verdicts: every held-out run is judged, the worst decides, and it is 
   CHECK(bench.listed(4) == "simulated fail");
   for (const char* run : {"1", "2", "3", "4"}) CHECK(bench.call({"verify", run}).code == 0);
 
-  // Neither other runs nor other limits hide a stored fail; other limits are told beside it.
+  // Other runs or other limits do not hide a stored fail; other limits are reported with it.
   const json picked = bench.answer({"report", "1", "--held-out", "2"}, 1);
   CHECK(picked["judgement"]["overall"] == "fail");
   CHECK(picked["judgement"]["stored_worse"][0]["run"] == 4);
@@ -177,7 +177,7 @@ TEST_CASE("verdicts: void runs, runs of the models and runs named twice are reje
   bench.refused({"report", "1", "--studies", "3:mount", "3:90"}, "TB-RUN-TWICE");
   CHECK(bench.call({"report", "1", "--held-out", "5"}).code == 6);
 
-  // A run that is void after it was judged: the evidence is gone, and a report made anew says why.
+  // A run that is void after it was judged: the evidence is no longer valid, and a new report says why.
   REQUIRE(bench.call({"runs", "void", "2", "--reason", "gauge closed", "--by", "me"}).code == 0);
   CHECK(bench.call({"report", "1"}).code == 6);
   CHECK(bench.listed(1) == "-");
@@ -195,7 +195,7 @@ TEST_CASE("verdicts: void runs, runs of the models and runs named twice are reje
         Words{"trend", "accept", "3", "--by", "me", "--reason", "as made"}})
     bench.refused(words, "TB-RUN-VOID");
 
-  // By one's own word they count, and page, JSON and text say so beside the verdict.
+  // On request they count, and page, JSON and text say so with the verdict.
   const json counted =
       bench.answer({"report", "1", "--held-out", "2", "--limits", "limits-a.toml", "--void-too", "-o", "x.html"}, 0);
   CHECK(counted["judgement"]["void_runs"][0]["run"] == 2);
@@ -206,7 +206,7 @@ TEST_CASE("verdicts: void runs, runs of the models and runs named twice are reje
   CHECK(bench.call({"report", "3"}).code == 0);
   CHECK(bench.answer({"trend", "--sensor", "S-1"}, 0)["subjects"][0]["figures"][0]["runs"] == json::array({1}));
 
-  // The verdict of a fit stands on the row of its models; one row a sensor.
+  // The verdict of a fit is in the row of its models; one row per sensor.
   bench.measure_drifted("S-2", "7");
   REQUIRE(bench.call({"fit", "4"}, {"judge", "4", "6", "--limits", "limits-a.toml"}).code == 1);
   REQUIRE(bench.call({"runs", "void", "1", "--reason", "again", "--by", "me"}).code == 0);

@@ -1,4 +1,4 @@
-// What a run keeps of its devices: everything that scales their readings, and what is stated of them.
+// Device records of a run: everything that scales their readings, and their stated facts.
 #include "bench/rig/device_records.h"
 
 #include <catch2/catch.hpp>
@@ -26,7 +26,7 @@ StatedCalibration everything_stated() {
   return stated;
 }
 
-// With the keys that end in `unit`; `chain`: what a budget needs beside U.
+// With the keys that end in `unit`; `chain`: data for a budget in addition to U.
 json with_stated(json all, const std::string& unit, bool chain, const std::string& input_unit = {}) {
   all.update({{"certificate", "C-1"}, {"calibrated", "2026-01-31"}, {"due", "2027-01-31"}});
   all["expanded_uncertainty_" + unit] = 0.25;

@@ -94,7 +94,7 @@ TEST_CASE("serial regulator: its own transducer, or one behind a module, serves 
   CHECK(std::ranges::count(row.devices, "analog module", &db::DeviceRecord::role) == modules);
 }
 
-TEST_CASE("serial regulator: what a bench file with one cannot be is refused by the key that makes it so") {
+TEST_CASE("serial regulator: an invalid bench file is refused with the key at fault") {
   CHECK(refusal_of([] { return request_of(); }) == "taken");
   const std::vector<std::pair<Overrides, std::string>> rows = {
       {{{"regulator.relief", "''"}}, "relief"},
@@ -123,7 +123,7 @@ TEST_CASE("serial regulator: its reach and its step limit a recipe as its own nu
   CHECK(bench::pressure_kind(config).step_psi(config) == Approx(0.1));
 }
 
-TEST_CASE("serial regulator: the fail-safe layers warn of a dead line and of lost power, and name what relieves then") {
+TEST_CASE("serial regulator: the fail-safe layers warn of a failed line or power, and name the relief device") {
   bench::BenchConfig config = request_of({{"regulator.relief", "'RV-7'"}}).bench;
   const auto warnings = [&] {
     std::vector<std::string> all = bench::fail_safe_layers(config);

@@ -217,7 +217,7 @@ TEST_CASE(
   CHECK(found.first_frame_ns > 60'000'000'000);
 }
 
-// What ends a run that cannot go on, or was asked for what its bench does not have.
+// Errors that end a run that cannot continue, or that needs something its bench does not have.
 
 namespace {
 

@@ -248,7 +248,7 @@ TEST_CASE("missing levels: levels that are not measured in both directions, with
   CHECK(found[1].nearest_psi == std::vector<double>{8.0});
   CHECK(found[2].nearest_psi == std::vector<double>{0.0});
   CHECK(found[3].pressure_psi == 5.0);
-  steps.push_back(measure(4.0 + 4e-7, 8.0, 0.0));  // the same but for a rounding
+  steps.push_back(measure(4.0 + 4e-7, 8.0, 0.0));  // the same except for rounding
   CHECK(lacking(steps, {4.0}).empty());
   CHECK(lacking(steps, {4.0 + 4e-7}).empty());
   CHECK(lacking(steps, {4.009}).empty());  // as people type it, or another unit's
@@ -262,10 +262,10 @@ TEST_CASE("missing levels: levels that are not measured in both directions, with
   CHECK(lacking({}, {4.0}).front().nearest_psi.empty());
 }
 
-TEST_CASE("limits that recipes cannot be judged by are known from their steps, of shipped recipes none") {
+TEST_CASE("limits: those that cannot be judged on a recipe are found from its steps, shipped recipes have none") {
   struct Row {
     std::vector<std::string> judged, fitted;
-    std::vector<double> levels;  // of the limits beside the span of [[mpe]]
+    std::vector<double> levels;  // of the limits, in addition to the span of [[mpe]]
     std::pair<double, double> span;
     std::size_t open;
     bool nothing;

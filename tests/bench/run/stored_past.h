@@ -10,7 +10,7 @@
 
 namespace tactbench::tests {
 
-// 9 frames a repeat, two repeats.
+// 9 frames per repeat, two repeats.
 inline sequences::Recipe recipe_named(const std::string& name) {
   return sequences::parse_recipe(sequences::TomlDocument::from_text(
       "schema = 1\nname = \"" + name + "\"\nunit = \"psi\"\nturning_points = [0, 8, 0]\nstep = 2\nrepeats = 2\n" +

@@ -89,7 +89,7 @@ TEST_CASE("time estimate: runs of other work are not used") {
   store_run(bed.store, {recipe_named("b")}, {});
   CHECK(bed.learned(recipes).total().runs == 0);
   CHECK(bed.learned(recipes, {{"recipe.dwell_s", "9"}}).total().runs == 1);
-  // What was changed on the bench's side does not make another recipe of it.
+  // Changes of bench settings do not make it another recipe.
   CHECK(bed.learned(recipes, {{"simulation.seed", "4"}, {"recipe.dwell_s", "9"}}).total().runs == 1);
 }
 

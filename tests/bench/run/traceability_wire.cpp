@@ -55,7 +55,7 @@ TEST_CASE("traceability: a press run stores force sensor and stage with serial, 
   if (pressed.result.error) FAIL(pressed.result.error->what());
   const db::RunRecord run = pressed.store.run(1);
   const db::DeviceRecord& force = device_of(run, "force sensor");
-  CHECK(force.serial == "SIM-FT-1");  // what the simulated sensor tells; the bench file names none
+  CHECK(force.serial == "SIM-FT-1");  // reported by the simulated sensor; the bench file states none
   CHECK(force.model == "ATI Nano17");
   CHECK(force.firmware == "sim-1");
   CHECK(force.origin == "simulated");
@@ -160,7 +160,7 @@ TEST_CASE("traceability: a resumed press run continues only with its original fo
   CHECK_NOTHROW(bench::check_same_devices(older, same.devices()));
 }
 
-TEST_CASE("calibration warnings: none on the due date, one a day later") {
+TEST_CASE("calibration warnings: none on the due date, one on the day after") {
   const auto warned_of = [](const std::string& due) {
     QuickStore store;
     bench::RunRequest request = small_request({{"reference.due", "\"" + due + "\""}});

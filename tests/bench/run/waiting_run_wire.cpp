@@ -102,7 +102,7 @@ struct WaitingRun {
     notes = lines_heard(errors.text());
     return result;
   }
-  // The commands for the events run in the background, one beside the other.
+  // The commands for the events run in the background, in parallel.
   [[nodiscard]] Texts reported_events(std::size_t count) const {
     const auto told = [path = folder.path("events")] {
       return std::filesystem::exists(path) ? lines_heard(read_file(path)) : Texts();

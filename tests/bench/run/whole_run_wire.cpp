@@ -361,7 +361,7 @@ TEST_CASE("whole run: if its store disappears it ends vented, and all measured d
   CHECK(rescued.check_structure().empty());
   CHECK(rescued.run(result.run).outcome == db::Outcome::kFailed);
   CHECK_THAT(rescued.run(result.run).reason, Catch::StartsWith("TB-STORE-GONE"));
-  // What stands in its place now is read as what it is.
+  // The file now in its place is read as it is.
   CHECK_FALSE(fs::exists(path + "-wal"));
   if (how == "replaced by an older copy") CHECK(db::RunStore::open_read_only(path).runs().empty());
 }

@@ -1,4 +1,4 @@
-// The fail-safe layers of a bench, who keeps a line to itself, and the unloaded frame.
+// The fail-safe layers of a bench, exclusive use of a line, and the unloaded frame.
 #include "bench/safety/fail_safe.h"
 
 #include <algorithm>

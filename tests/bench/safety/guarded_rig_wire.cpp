@@ -1,4 +1,4 @@
-// The guard on a whole simulated rig: what a trip does to the plant, and that nothing passes beside it.
+// The guard on a whole simulated rig: the effect of a trip on the plant, and that no command bypasses the guard.
 #include <catch2/catch.hpp>
 #include <limits>
 #include <vector>
@@ -136,7 +136,7 @@ TEST_CASE("guarded rig: a ramp goes in ticks in both directions, the last one sh
   at.clear();
   CHECK(ramp_to(rig, Psi(0.0), setpoint, tick, hooks) < counts);
   CHECK(at == std::vector<double>{1.5 * tick, 0.5 * tick, 0.0});
-  // What is a billionth more than a tick is one, what is beyond it are two.
+  // A rise larger than a tick by a billionth is one tick, a larger one is two.
   at.clear();
   (void)ramp_to(rig, Psi(tick * (1.0 + 0.9e-9)), setpoint, tick, hooks);
   CHECK(at.size() == 1);

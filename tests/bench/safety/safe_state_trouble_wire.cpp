@@ -1,4 +1,4 @@
-// The safe state when instruments fail on the way to it: what is proved, where the rig stands, how long it takes.
+// The safe state when instruments fail on the way to it: what is proved, the state of the rig, and how long it takes.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ namespace {
 struct Proved {
   SafeState state;
   std::string text;
-  double took_s = 0.0, psi = 0.0, newtons = 0.0;  // process time, and where the rig stands then
+  double took_s = 0.0, psi = 0.0, newtons = 0.0;  // process time, and the state of the rig then
 };
 
 class TroubledRig {
@@ -170,7 +170,7 @@ TEST_CASE("safe state in trouble: result for each combination of faulty witnesse
       {"reference dead", {{reference, -90}}, true, kYes, kUnproved},
       {"reference dead, loaded", {{reference, -90}, stuck}, false, kNo, kNo},
       {"feedback frozen at 0", {unpowered}, true, kYes, kUnproved},
-      // Nothing shows that it stands still; the array alone would contradict it.
+      // Nothing shows that it is frozen; only the array would contradict it.
       {"feedback frozen at 0, reference dead", {unpowered, {reference, -90}}, true, kYes, kUnproved},
       {"all frozen", {{FaultKind::kModuleStale}}, true, kNo, kNo},  // at 40 psi
       {"feedback 2 psi low", {{feedback, -2}}, true, kYes, kUnproved},

@@ -376,7 +376,7 @@ TEST_CASE("contact: the taxel pressures times their area sum to the force, for e
   CHECK(sum(ring.psi_per_newton(0.0, 0.0)) == Approx(0.0).margin(1e-12));
 }
 
-TEST_CASE("contact: the ring has a hole on the array, 30 N give 30 to 60 psi on the ring and none in the hole") {
+TEST_CASE("contact: the ring has a hole on the array, 30 N give 30 to 60 psi on the ring and 0 psi in the hole") {
   Contact contact({}, 16, 16);
   const auto psi = contact.psi_per_newton(30.0, 30.0);
   const double peak = 30.0 * *std::max_element(psi.begin(), psi.end());

@@ -146,7 +146,7 @@ TEST_CASE("fault stage_stalled: at the planned force z stops but reports arrival
   CHECK(force < 10.0);  // 31 mm would be 31 N
   stage.start_move_to(Axis::kZ, Millimetres(20.0), std::nullopt);
   stage.wait(Axis::kZ);
-  CHECK(rig.plant()->true_force().value() > 4.0);  // nor does it retract
+  CHECK(rig.plant()->true_force().value() > 4.0);  // it does not retract either
   rig.plant()->clear(FaultKind::kStageStalled);
   stage.home(Axis::kZ);
   CHECK(rig.plant()->true_force().value() == 0.0);

@@ -8,7 +8,7 @@
 
 namespace tactbench::bench::testing {
 
-// Constants were set on 1 to 3 and looked at on two others, none of these.
+// Constants were set with seeds 1 to 3 and inspected with two others, not with these.
 inline constexpr std::array<std::uint64_t, 2> kNewSensors = {52163, 880417};
 
 inline SpecimenOptions harsh_sensor(std::uint64_t sensor, std::uint64_t run = 1234) {

@@ -314,7 +314,7 @@ TEST_CASE("plant coupling: a stage at rest in the air is not queried, a removed 
   bed.at(3s);
   CHECK(bed.plant.true_force().value() > 1.0);
   CHECK(stage.asked == 200);
-  stage.rests = true;  // in contact it is looked at all the same
+  stage.rests = true;  // in contact it is still queried
   bed.at(4s);
   (void)bed.plant.true_pressure();
   CHECK(stage.asked == 300);
@@ -417,7 +417,7 @@ TEST_CASE("plant queries: clearing ends a fault that has started meanwhile, and 
 }
 
 TEST_CASE("plant queries: a query before a change does not affect the result") {
-  // What happens at 257 ms, between two cells of the grid.
+  // Events at 257 ms, between two cells of the grid.
   ScriptedStage stage([](double) { return ScriptedStage::Place{30.0, 30.0, 30.3}; });
   const std::vector<std::pair<std::string, std::function<void(SmallPlant&)>>> changes = {
       {"a stage is set", [&](SmallPlant& bed) { bed.plant.set_stage(&stage); }},

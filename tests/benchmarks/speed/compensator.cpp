@@ -1,5 +1,5 @@
-// Frames of 256 taxels through compensators, of ELAM and of the dynamic Preisach model, that stand, move and turn,
-// beside a plain loop over as many numbers.
+// Frames of 256 taxels through compensators, of ELAM and of the dynamic Preisach model, with constant, moving and
+// turning outputs, compared with a plain loop over as many numbers.
 #include <benchmark/benchmark.h>
 
 #include <cmath>

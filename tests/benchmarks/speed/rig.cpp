@@ -1,5 +1,5 @@
-// The wires of the simulated rig through the shipped drivers, beside a bare echo over loopback; and a run's steps
-// beside their exchanges alone and their rows stored alone.
+// The wires of the simulated rig through the shipped drivers, compared with a bare echo over loopback; and a run's
+// steps compared with only their exchanges and only their stored rows.
 #include <arpa/inet.h>
 #include <benchmark/benchmark.h>
 #include <netinet/tcp.h>
@@ -84,7 +84,7 @@ void echo(benchmark::State& state) {
 
 using Exchange = std::function<void()>;
 
-// On a rig of its own; `prepare` gives what is measured.
+// On a separate rig; `prepare` returns the measured work.
 void on_rig(benchmark::State& state, const std::vector<sequences::Override>& overrides, Exchange (*prepare)(Rig& rig)) {
   Rig rig(read_bench(find_config("simulated.toml"), overrides));
   rig.open();

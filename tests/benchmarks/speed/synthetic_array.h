@@ -15,7 +15,7 @@ namespace tactbench::speed {
 analysis::ElamModel taxel_like_the_paper(std::mt19937& random);
 
 // Both sequences of Table 1 at steps of 2 psi (211 + 451 samples), free running, with a play of 6 psi that no ELAM can
-// follow, 4 mV of noise, 0.03 psi of noise on the reference. One scan a frame.
+// follow, 4 mV of noise, 0.03 psi of noise on the reference. One scan per frame.
 analysis::Dataset synthetic_dataset(int rows, int columns, int repeats);
 
 // The same as a completed run of a sensor of its own: as simulated frames of 16 bit.

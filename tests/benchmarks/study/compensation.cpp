@@ -31,7 +31,7 @@ constexpr double kBinPsi = 0.02;  // of the histogram
 constexpr std::size_t kBins = 5000;
 enum DrawStream : std::uint64_t { kSensorStream = 301, kKindStream = 401, kRunStream = 501 };
 
-// What turns a taxel's outputs into pressures. A scan has more noise than the mean of those that a frame has.
+// Converts a taxel's outputs into pressures. A scan has more noise than the mean of those that a frame has.
 std::unique_ptr<Compensator> stream_of(const SensorModel& model, const ModelTaxel& taxel) {
   return compensator_of(model, taxel, std::sqrt(static_cast<double>(model.scans)));
 }

@@ -25,14 +25,14 @@ namespace {
 using namespace analysis;
 
 enum CoverageStream : std::uint64_t { kArrayStream = 601, kInstrumentStream, kNoiseStream, kHistoryStream };
-constexpr std::size_t kEvery = 4;  // taxels whose errors tell the half-width
+constexpr std::size_t kEvery = 4;  // taxels whose errors give the half-width
 
 // Of one kind: errors of all sensors for which U is stated, and U of each.
 struct Widths {
   std::vector<float> errors, expanded;
 };
 
-// The composite recipe with histories drawn anew: every seed=N in it is another.
+// The composite recipe with newly drawn histories: every seed=N in it is changed.
 std::string drawn_anew(const std::string& recipe, std::uint64_t seed, const std::string& file) {
   std::string text = read_recipe_file(recipe).text, made;
   static const std::regex kSeed("seed=[0-9]+");

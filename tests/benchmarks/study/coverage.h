@@ -1,4 +1,4 @@
-// What share of corrected readings lies within the report's own U of the truth, by kind of history, on simulated
+// The share of corrected readings within the report's U of the true value, by kind of history, on simulated
 // sensors that were calibrated as `calibrate` does it. The truth is the plant's pressure, which neither models nor U
 // see. U is counted on one run of `verification`; further runs of it, whose histories are drawn anew, are held against
 // it.

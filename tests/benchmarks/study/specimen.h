@@ -66,7 +66,7 @@ double measure_shape_percent_fs(const SpecimenOptions& options, int components);
 struct NoiseFigures {
   double white_mv = 0.0, kurtosis = 0.0;             // of single samples unloaded; normal noise has 3
   double beyond_five = 0.0;                          // share of them beyond five standard deviations
-  double slope = 0.0, slow_percent_of_output = 0.0;  // at 40 psi, one scan a second: slope of log power over log
+  double slope = 0.0, slow_percent_of_output = 0.0;  // at 40 psi, one scan per second: slope of log power over log
                                                      // frequency below 0.03 Hz; standard deviation of means over 32 s
 };
 NoiseFigures measure_noise(const PlantOptions& options);

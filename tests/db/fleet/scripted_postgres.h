@@ -81,7 +81,7 @@ class Server {
     if (child_ == 0) {
       prctl(PR_SET_PDEATHSIG, SIGKILL);
       const int link = ::accept(door, nullptr, nullptr);
-      ::close(door);  // who comes again is refused
+      ::close(door);  // further connections are refused
       serve(link);
       _exit(0);
     }
@@ -95,7 +95,7 @@ class Server {
   [[nodiscard]] std::string conninfo() const { return "host=" + folder_.path() + " dbname=tactile user=bench_a"; }
   [[nodiscard]] std::string where() const { return "tactile on " + folder_.path() + ":5432"; }
 
-  // What was said to it, once the connection is closed: the start, then each message as its letter and its content.
+  // The messages received, once the connection is closed: the start, then each message as its letter and its content.
   [[nodiscard]] std::vector<std::string> heard() {
     int status = 0;
     if (child_ > 0) waitpid(child_, &status, 0);

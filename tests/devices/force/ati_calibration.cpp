@@ -178,7 +178,7 @@ TEST_CASE("ATI calibration: reads a file, and does not accept a malformed number
 
 namespace {
 
-// What the refusal is about; empty: there is none.
+// The subject of the refusal; empty: there is none.
 void check_calibration(const std::string& text, const std::string& about) {
   INFO(text);
   const auto read = [&] { (void)parse_ati_calibration(text, "test.cal"); };

@@ -95,7 +95,7 @@ std::string page_of(const Elements& elements) {
 
 NetFtPage parsed(const Elements& elements) { return parse_netft_page(page_of(elements), "P"); }
 
-// What the refusal is about; empty: there is none.
+// The subject of the refusal; empty: there is none.
 void check_page(const std::string& text, const std::string& about) {
   INFO(text);
   const auto read = [&] { (void)parse_netft_page(text, "P"); };

@@ -22,7 +22,7 @@ using namespace devices;
 
 inline constexpr std::uint8_t kUnit = 10;
 
-// What lies on the line, and what the sensor at its end does.
+// The bytes on the line, and the scripted sensor at its end.
 struct Line {
   std::vector<Bytes> written;
   std::deque<std::uint8_t> coming;

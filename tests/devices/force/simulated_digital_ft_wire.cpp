@@ -62,7 +62,7 @@ struct DigitalClient {
     send(digital_start_stream(kUnit));
     REQUIRE(next(5) == rtu_frame(RawBytes{kUnit, 0x46, 1}));
   }
-  // What comes until nothing does for a while; nothing at all when that never ends.
+  // The bytes received until a pause; empty if they never pause.
   [[nodiscard]] std::optional<RawBytes> until_calm() const {
     const auto end = std::chrono::steady_clock::now() + kPatient;
     RawBytes came;
@@ -196,7 +196,7 @@ TEST_CASE(
   const RawBytes answer = DigitalClient::one_register(1000);
   CHECK(std::search(rest->begin(), rest->end(), answer.begin(), answer.end()) == rest->end());
   CHECK(client.settle().empty());
-  // What came before the next start is no part of the next jam.
+  // Bytes received before the next start are not part of the next burst.
   client.start();
   client.send(RawBytes(14, 0xFF));
   CHECK(client.until_calm());

@@ -1,4 +1,4 @@
-// What an analog module is asked, request by request, and what comes of each answer.
+// Requests to an analog module, one by one, and the effect of each answer.
 #include <array>
 #include <atomic>
 #include <catch2/catch.hpp>

@@ -33,7 +33,7 @@ TEST_CASE("controller lines: each request as bytes, and back") {
   }
 }
 
-TEST_CASE("controller lines: an answer states pressure, set-point and status, or is none") {
+TEST_CASE("controller lines: an answer has pressure, set-point and status, other text is not an answer") {
   struct Row {
     const char* line;
     ControllerFields fields;
@@ -69,7 +69,7 @@ TEST_CASE("controller lines: an answer states pressure, set-point and status, or
   }
 }
 
-TEST_CASE("controller lines: what the simulated end answers is read back to the last decimal") {
+TEST_CASE("controller lines: an answer of the simulated controller is read back to the last decimal") {
   for (const int decimals : {0, 1, 2}) {
     const std::string line = encode_answer('K', {-3.0, 60.0, {"EXH"}}, decimals);
     REQUIRE(line.back() == '\r');

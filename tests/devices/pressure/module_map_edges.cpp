@@ -135,7 +135,7 @@ TEST_CASE("module map: each watchdog setting accepts its valid values, refuses o
   MapUnit unit(module_profile("beckhoff-ek9000"));
   CHECK(unit.write(0x1120, {700, 0, 2, 1, 0}) == Refusal::kNone);
   CHECK(unit.read(3, 0x1120, 5) == Words{700, 0, 2, 1, 0});
-  CHECK(unit.write(0x1122, {0, 2, 1}) == Refusal::kValue);  // the third is not looked at
+  CHECK(unit.write(0x1122, {0, 2, 1}) == Refusal::kValue);  // the third is not evaluated
   CHECK(unit.read(3, 0x1120, 5) == Words{700, 0, 0, 1, 0});
   CHECK(unit.write(0x1120, {700, 0, 2, 1, 0, 0}) == Refusal::kAddress);
   CHECK(unit.write(0x111F, {700, 0}) == Refusal::kAddress);

@@ -111,7 +111,7 @@ TEST_CASE("serial controller: a vent opens the exhaust where there is one, and t
   }
 }
 
-TEST_CASE("serial controller: each spoilt answer is a fault of its own, disarms, and the chamber is vented after it") {
+TEST_CASE("serial controller: each damaged answer has its own fault, disarms, and the chamber is then vented") {
   const auto [how, id] = GENERATE(table<InjectedFault, std::string>({
       {InjectedFault::kSilent, "TB-CONTROLLER-TIMEOUT"},
       {InjectedFault::kLate, "TB-CONTROLLER-TIMEOUT"},
@@ -137,7 +137,7 @@ TEST_CASE("serial controller: feeding finds a set-point that another program has
   bed.make_ready();
   bed.load();
   bed.clock().wait_until(1s);
-  bed.controller.keep_alive();  // its own set-point stands
+  bed.controller.keep_alive();  // its set-point is unchanged
   CHECK(bed.controller.last_fed() == Nanoseconds(1s));
   const auto other = open_stream(bed.server.path(), 2s, false);
   const std::string line = "AS30\r";

@@ -66,7 +66,7 @@ TEST_CASE("simulated Zaber device: a speed setting of 0 is the lowest speed") {
   for (const auto& [command, data] : {std::pair(kMoveAbsolute, 75), std::pair(kHome, 0)}) {
     bench.send(command, data);
     REQUIRE(bench.device.due().has_value());
-    // 75 steps at 9.375 a second, and ramps of 0.2 ms.
+    // 75 steps at 9.375 per second, and ramps of 0.2 ms.
     CHECK(*bench.device.due() - bench.now >= 8s);
     CHECK(*bench.device.due() - bench.now <= 8001ms);
     bench.pass(9s);
@@ -193,7 +193,7 @@ TEST_CASE(
   CHECK(bench.place(begin + 500ms) == Approx(5625));
   CHECK(bench.place(begin + 1200ms) == Approx(22500));
   CHECK(bench.place(begin + 2s) == Approx(45000));
-  // What was missed comes on top of what was missed before.
+  // Missed steps add to those missed before.
   bench.device.stick(bench.now);
   CHECK(bench.place(bench.now) == Approx(67500));
   bench.go_to(0);
@@ -234,7 +234,7 @@ TEST_CASE("simulated Zaber device: remembers its last 256 changes of motion, and
   const auto middle_of = [&](std::int32_t target) {
     bench.send(kMoveAbsolute, target);
     bench.pass(10s);
-    return bench.now - 5s;  // it stands there by then
+    return bench.now - 5s;  // it is at rest there by then
   };
   const Nanoseconds first = middle_of(5000);
   const Nanoseconds second = middle_of(1000);

@@ -23,7 +23,7 @@ namespace tactbench::devices {
 class ScriptedChain {
  public:
   using Frames = std::vector<ZaberFrame>;
-  // What is answered to a frame as sent with message ids; none: the devices answer.
+  // The answer to a frame with message ids; none: the devices answer.
   using Script = std::function<std::optional<Frames>(const ZaberFrame&)>;
 
   // Without a clock the devices are at time 0.
@@ -174,7 +174,7 @@ struct StageAlone {
   ManualClock clock;
   ScriptedChain chain;
   ZaberStage stage;
-  // What a device answers to a command instead of itself: each answer once, the last one always.
+  // Scripted answers to a command instead of the device's own: each answer once, the last one always.
   std::map<std::pair<std::uint8_t, ZaberCommand>, std::deque<Answer>> instead;
   std::vector<Nanoseconds> polls;  // when x was asked for its status
 };

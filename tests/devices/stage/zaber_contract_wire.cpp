@@ -146,7 +146,7 @@ TEST_CASE("Zaber contract: halt from another thread ends a wait in progress") {
   const std::size_t before = rig.chain.requests().size();
   std::thread other([&] {
     while (rig.chain.requests().size() < before + 20) std::this_thread::yield();
-    (void)rig.stage.halt();  // the clock may stand still meanwhile, so that the answer may be no
+    (void)rig.stage.halt();  // the clock may not advance meanwhile, so the answer may be false
   });
   CHECK(fault_id_of([&] { (void)rig.stage.wait(Axis::kX); }) == "TB-STAGE-HALTED");
   other.join();

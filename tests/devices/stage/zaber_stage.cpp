@@ -124,7 +124,7 @@ TEST_CASE("Zaber stage: a relative move starts from the position the device repo
   alone.instead[{1, kPosition}] = {{{kPosition, 80000}}};
   CHECK(fault_id_of([&] { alone.stage.start_move_by(Axis::kX, Millimetres(1.0), {}); }) == "TB-STAGE-LIMIT");
   CHECK(alone.sent() == std::vector<ZaberFrame>{{1, kPosition, 0, 0}});
-  // Now it is known where it stands, and nothing is asked.
+  // Its position is now known, and nothing is requested.
   CHECK(fault_id_of([&] { alone.stage.start_move_by(Axis::kX, Millimetres(1.0), {}); }) == "TB-STAGE-LIMIT");
   CHECK(alone.sent().empty());
   alone.take(1, kSetPosition, 80000);

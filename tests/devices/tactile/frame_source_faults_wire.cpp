@@ -144,7 +144,7 @@ TEST_CASE("frame source: the frame counter must advance, by less than half its r
 TEST_CASE("frame source: several scans keep their counts, counters, status and times") {
   ToldSource rig(after_identity([](int number, Tag tag) {
     const auto scan = static_cast<std::uint32_t>(number);
-    // What comes behind the answer, with it, is old when the next request is made.
+    // Data received after the answer, together with it, are old at the next request.
     return both(told(tag, two_by_two(scan, static_cast<std::uint8_t>(1U << scan), 0x1'0000'0000U + 40 + scan)),
                 told(0, protocol::Error{protocol::ErrorCode::kDamaged, "of nothing"}));
   }));

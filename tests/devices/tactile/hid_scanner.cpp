@@ -20,7 +20,7 @@ Report packed(const Message& message) {
   return {bytes.begin(), bytes.end()};
 }
 
-// What lies on the wire, and what the scanner at its end says to a command.
+// The reports on the wire, and the scripted scanner's answer to a command.
 struct Wire {
   std::deque<Report> coming;
   std::vector<CommandReport> commands;

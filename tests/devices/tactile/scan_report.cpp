@@ -105,7 +105,7 @@ TEST_CASE("scan report: every padding byte must be 0") {
     CHECK(refused_at(encode(some_identity()), at, [](auto bytes) { return decode_identity(bytes).has_value(); }));
   for (std::size_t at = 4; at < 6; ++at)
     CHECK(refused_at(encode(CommandReport{}), at, [](auto bytes) { return decode_command(bytes).has_value(); }));
-  // What stands beside the padding is a value: the last sample, the last letter, the tag.
+  // The bytes next to the padding are values: the last sample, the last letter, the tag.
   RowReport row = some_row();
   row.samples.back() = 0xFFFF;
   CHECK(decode_row(encode(row)) == row);

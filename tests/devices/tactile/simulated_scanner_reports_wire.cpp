@@ -53,7 +53,7 @@ void expect_identity(ReportLink& link) {
   CHECK(*identity == IdentityReport{4242, 5, 3, 0.25F, "S1", "F1"});
 }
 
-// What a whole scan number `scan` of 5 x 3 taxels looks like when its first report has this sequence number.
+// The reports of scan number `scan` of 5 x 3 taxels, the first with this sequence number.
 RowReport row_of(int scan, int row, std::uint16_t tag, int sequence, std::uint32_t frame, std::uint32_t time) {
   RowReport report{static_cast<std::uint16_t>(sequence + row), frame, tag, static_cast<std::uint8_t>(row),
                    static_cast<std::uint8_t>(16 * scan + row), time,  {}};

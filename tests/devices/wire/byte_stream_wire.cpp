@@ -108,7 +108,7 @@ TEST_CASE("pseudo-terminal: serves one client at a time, and the next one after 
   auto first = open_stream(terminal.path());
   CHECK(fault_id_of([&] { (void)open_stream(terminal.path()); }) == "TB-SERIAL-BUSY");
   first.reset();
-  // What the first client left unread does not reach the second.
+  // Bytes that the first client left unread do not reach the second.
   const Bytes stale{1, 2, 3};
   REQUIRE(::write(terminal.master(), stale.data(), stale.size()) == 3);
   const auto second = open_stream(terminal.path());

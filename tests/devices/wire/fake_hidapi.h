@@ -25,7 +25,7 @@ struct FakeHid {
   Result usual;
   std::optional<std::wstring> error = L"";
 
-  // What has happened.
+  // Record of the calls.
   int opened = 0;  // not closed yet
   int lists = 0;   // not freed yet
   std::vector<std::optional<std::wstring>> asked_serials;

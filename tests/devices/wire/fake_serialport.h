@@ -26,7 +26,7 @@ struct FakeSerialPorts {
   std::optional<int> write_takes;              // bytes that a write takes at most
   int swallowed = 0;                           // so many readings take what waits and return nothing
 
-  // What has happened.
+  // Record of the calls.
   std::vector<std::string> calls;  // settings, openings, flushes and writes, each with its number
   int opened = 0;                  // not closed yet
   int made = 0;                    // ports that are not freed yet

@@ -1,4 +1,4 @@
-// What opens something where the program may open no more: a fault of its own, with the reason, and nothing left open.
+// Opening anything when the limit of open files is reached: a specific fault with the reason, and nothing left open.
 #include <fcntl.h>
 #include <sys/socket.h>
 #include <sys/un.h>

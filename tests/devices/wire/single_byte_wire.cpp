@@ -29,7 +29,7 @@ using Some = std::array<std::uint8_t, 16>;
 constexpr std::array<std::uint8_t, 1> kByte{7};
 constexpr int kLeft[] = {0, EAGAIN, EINTR, EIO};  // errors of earlier calls
 
-// What the end gives at its next event.
+// The bytes that the end returns at its next event.
 std::size_t received(StreamEnd& end, Some& into, int left) {
   pollfd waited{end.descriptor(), POLLIN, 0};
   REQUIRE(::poll(&waited, 1, 20000) == 1);

@@ -46,7 +46,7 @@ Nanoseconds spent(const std::function<void()>& act) {
 
 }  // namespace
 
-TEST_CASE("wait: lasts as long as asked and no shorter, and returns at once for 0 or less") {
+TEST_CASE("wait: lasts at least as long as requested, and returns immediately for 0 or less") {
   const WaitedLine line;
   for (const Nanoseconds timeout : {Nanoseconds(3ms), Nanoseconds(1'050ms)}) {
     const Nanoseconds took = spent([&] { CHECK(wait_for(line.ends[0], POLLIN, timeout) == 0); });

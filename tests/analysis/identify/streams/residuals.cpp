@@ -311,14 +311,14 @@ double counted_of(SensorModel model, const std::vector<History>& scored) {
 
 }  // namespace
 
-TEST_CASE("residual samples: of a recording that starts in mid-branch those with known state count") {
+TEST_CASE("residual samples: if a recording starts in mid-branch, only samples with known state count") {
   // 1 V is 30 psi of a rise and 15 of a fall; from the top on 2 V are 30 psi: 6 psi off.
   const History middle{"a", {99, 60, 36}, {1, 3, 2}, {}, {}, {}};
   CHECK(counted_of(film_alone(), {middle}) == Approx(36.0 / 2.0));
   // A hundredth of the full scale is at rest: of three samples, the first 9.4 psi off.
   const History rest{"a", {10, 60, 36}, {0.02, 3, 2}, {}, {}, {}};
   CHECK(counted_of(film_alone(), {rest}) == Approx((9.4 * 9.4 + 36.0) / 3.0));
-  // Each recording begins anew; one without samples is passed over.
+  // Each recording starts from the beginning; one without samples is skipped.
   const History none{"b", {}, {}, {}, {}, {}};
   CHECK(counted_of(film_alone(), {middle, none, middle}) == Approx(36.0 / 2.0));
   CHECK(counted_of(film_alone(), {none}) == 0.0);

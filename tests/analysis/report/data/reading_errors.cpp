@@ -77,7 +77,7 @@ TEST_CASE("reading errors: the measuring interval is the longest run of levels p
   CHECK((found.by_mpe && found.tolerance_psi == 0.5 && !found.span_up.any && !found.headline.any));
 }
 
-TEST_CASE("reading errors: without a valid kind of history there is no U, without an assessment nothing") {
+TEST_CASE("reading errors: without a valid kind of history there is no U, without an assessment no result") {
   ReportInput input = read_at_levels();
   for (ConditionUncertainty& kind : input.uncertainty->conditions) kind.not_valid = "too few";
   input.uncertainty->levels[0].error_psi = {0.25, -0.5, std::nan("")};

@@ -1,4 +1,4 @@
-// Pages on several runs: figures of a run, differences, outliers, ranks, one row a sensor; well-formed and inert.
+// Pages on several runs: figures of a run, differences, outliers, ranks, one row per sensor; well-formed and inert.
 #include "analysis/report/overview/overview.h"
 
 #include <algorithm>
@@ -180,7 +180,7 @@ TEST_CASE("batch report: ranks by verdict before error, with one row per sensor"
                                     numbered(6, "S-good", 0.6, "pass"),
                                     numbered(7, "S-bare", 0.1, "pass"),
                                     numbered(8, "S-bare", 0.1, "")};
-  named[7].fit = {};  // newer, and without models: the one with models stands for the sensor
+  named[7].fit = {};  // newer, and without models: the run with models represents the sensor
   CHECK(batch_rows(named) == std::vector<std::size_t>{0, 1, 2, 4, 5, 6});
   const Report report = render_batch(named);
   require_well_formed(report.html);
@@ -193,7 +193,7 @@ TEST_CASE("batch report: ranks by verdict before error, with one row per sensor"
   CHECK(std::ranges::is_sorted(places));
   CHECK(count(report.html, "<span class=\"b\">S-good</span>") == 1);
   CHECK(contains(report.html, "80.0 %"));  // four of five
-  // Without a serial number each run is a sensor of its own; alike, neither gives way; a void run counts for nothing.
+  // Without a serial number each run is a separate sensor; among equal ones both are kept; a void run does not count.
   std::vector<ReportInput> two = {named[0], named[1]};
   for (ReportInput& run : two) run.run.sensor_serial.clear();
   CHECK(batch_rows(two) == std::vector<std::size_t>{0, 1});

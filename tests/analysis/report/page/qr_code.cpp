@@ -46,7 +46,7 @@ TEST_CASE("a QR code has its three finder patterns in the quiet zone, and is of 
   for (std::size_t i = 12; i < far; ++i) CHECK(rows[10][i] == (i % 2 == 0 ? '#' : ' '));  // timing pattern
 }
 
-TEST_CASE("a QR code refuses what it cannot hold") {
+TEST_CASE("QR code: an empty or too long text is refused") {
   CHECK_THROWS_AS(qr_code_svg("", "", 84.0), std::invalid_argument);
   CHECK_THROWS_AS(qr_code_svg(std::string(3000, 'x'), "", 84.0), std::invalid_argument);
 }

@@ -1,4 +1,4 @@
-// What the bench promises: a second run of the same sensor, compensated with the models of the first.
+// The purpose of the bench: a second run of the same sensor, compensated with the models of the first.
 #include <catch2/catch.hpp>
 
 #include "analysis/statistics/figures/evaluation.h"

@@ -80,7 +80,7 @@ TEST_CASE("run values: percents, millivolts, means of fitted taxels and largest 
   CHECK((none.count("zero_mv") == 0 && none.count("elam_alpha_d") == 0 && none.at("noisiest_taxel_mv") == 0.0));
 }
 
-TEST_CASE("taxel gains: are those at the level nearest to two thirds of the range, the lower of two equally near") {
+TEST_CASE("taxel gains: are taken at the level nearest to two thirds of the range, the lower of two equally near") {
   const auto level_of = [](const std::vector<double>& rising) {
     std::vector<double> loop = rising;
     for (std::size_t i = rising.size() - 1; i-- > 0;) loop.push_back(rising[i]);

@@ -99,7 +99,7 @@ TEST_CASE("drift: the verdict follows from the error left within the tolerance, 
   CHECK(drift_of(exact, data).tolerance == Approx(0.005));
 }
 
-TEST_CASE("the drift's verdict names the part that moved, though a zero could stand in for a gain over upper inputs") {
+TEST_CASE("drift: the verdict names the part that moved, even where a zero shift resembles a gain change") {
   struct Row {
     double zero, gain;
     DriftVerdict verdict;

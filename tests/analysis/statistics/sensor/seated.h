@@ -10,7 +10,7 @@
 
 namespace tactbench::analysis {
 
-// Unloaded, then 8 psi after 20 s; 1.5 mV of noise a sample, two samples a frame.
+// Unloaded, then 8 psi after 20 s; 1.5 mV of noise per sample, two samples per frame.
 inline SeatingFrames seated(const bench::SpecimenOptions& options, std::uint64_t noise_seed = 1,
                             double noise_v = 0.0015) {
   bench::Specimen specimen(options);

@@ -274,7 +274,7 @@ TEST_CASE("contact: each rise starts unloaded, after another repeat, another pos
   CHECK(last_reading(0, 0, false) < 18.0);  // still on its way down
 }
 
-TEST_CASE("rate study: repeats 1.2 times faster are another rate, and held levels have none") {
+TEST_CASE("rate study: repeats 1.2 times faster have another rate, and held levels have no rate") {
   const auto paced_at = [](double seconds, double volts) {
     Repeat repeat;
     for (int i = 0; i < 2; ++i) {
@@ -397,7 +397,7 @@ TEST_CASE("crosstalk: the centre of the print is weighted by the shares in both 
   CHECK(c.along_column_share[1] == Approx(0.125));
 }
 
-TEST_CASE("crosstalk: a peak below 50 mV is no print, and four positions are needed") {
+TEST_CASE("crosstalk: a peak below 50 mV does not count as a press, and four positions are needed") {
   PrintShares full, weak, enough;
   weak.peak_v = 0.049;
   enough.peak_v = 0.051;
@@ -470,7 +470,7 @@ TEST_CASE("crosstalk: the scatter of a ghost line over its positions counts") {
   CHECK(ghosts(0.002)[1].mean_share == Approx(0.012));
 }
 
-TEST_CASE("crosstalk: a zone without taxels has no result, and its lines are no ghost lines") {
+TEST_CASE("crosstalk: a zone without taxels has no result, and its lines are not ghost lines") {
   // Five columns: all of a print's rows lie within its reach along them.
   std::vector<PointFrame> frames;
   for (int i = 0; i < 4; ++i) {

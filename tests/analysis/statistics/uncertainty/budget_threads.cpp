@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kLowestUp = 0, kFortyUp = 2, kHighestUp = 3, kFortyDown = 6;
 
-// Two repeats up and down that read the reference exactly, by a scanner of `scans` scans a frame.
+// Two repeats up and down that read the reference exactly, by a scanner of `scans` scans per frame.
 StraightBudget exact_budget(int scans = 1) {
   const std::vector<double> psi{0, 20, 40, 60, 40, 20, 0};
   std::vector<Sample> steps;

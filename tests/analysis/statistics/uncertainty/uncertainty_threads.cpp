@@ -189,7 +189,7 @@ TEST_CASE("uncertainty: U of readings and judged values never falls when a due d
   CHECK(drift_before > 10.0 * 0.05 / std::sqrt(3.0));  // 26 years past a limit for one
 }
 
-TEST_CASE("conditions of use: one that was not measured has no valid U") {
+TEST_CASE("conditions of use: a condition that was not measured has no valid U") {
   const Example example;
   const Uncertainty alone = assess_uncertainty(example.dataset, example.fit, record_with_reference(kWithCertificate));
   REQUIRE(alone.conditions.size() == kUseConditions);

@@ -1,4 +1,4 @@
-// What calibrate and page refuse before anything is opened.
+// Refusals of calibrate and page before anything is opened.
 #include <catch2/catch.hpp>
 #include <string>
 #include <vector>

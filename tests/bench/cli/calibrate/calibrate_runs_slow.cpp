@@ -27,7 +27,7 @@ struct CalibrationFolder {
                                           "--limits", limits, "--model", "elam"},
                                          more));
   }
-  nlohmann::json told(const CalibrateWords& words) const { return nlohmann::json::parse(call(folder, words).out); }
+  nlohmann::json printed(const CalibrateWords& words) const { return nlohmann::json::parse(call(folder, words).out); }
   TemporaryFolder folder;
 };
 
@@ -43,13 +43,13 @@ TEST_CASE("calibrate: both runs get the options of the command line, the second 
   well(of.calibrate({"--no-seating", "--lot", "A7", "--order", "55", "--meta", "film=B12", "--seed", "40",
                      "--sensor-seed", "8", "--set", "recipe.step=20", "--set", "simulation.temperature_c=24",
                      "--on-event", "echo $TACTBENCH_EVENT >> events"}));
-  const nlohmann::json first = of.told({"runs", "show", "1", "--json"}),
-                       second = of.told({"runs", "show", "2", "--json"});
+  const nlohmann::json first = of.printed({"runs", "show", "1", "--json"}),
+                       second = of.printed({"runs", "show", "2", "--json"});
   const nlohmann::json fits = first.at("models");
   REQUIRE(fits.size() == 1);
   CHECK(second.at("models").empty());
   CHECK(fits.at(0).at("kind") == "elam");
-  const nlohmann::json report = of.told({"report", "1", "--json"});
+  const nlohmann::json report = of.printed({"report", "1", "--json"});
   CHECK(report.at("path") == "reports/run-1.html");
   for (const nlohmann::json* run : {&first, &second}) {
     INFO(*run);
@@ -88,7 +88,7 @@ TEST_CASE("calibrate: a failed first or second run ends it with the exit code of
   CHECK_THAT(first.err, Catch::Contains("vented, verified"));
   REQUIRE(call(of.folder, {"run", "./a.toml", "--bench", "bench.toml", "--sensor", "MY-1", "-q"}).code == 0);
   CHECK(of.calibrate({"--no-seating", "--set", fault, "--run", "2"}).code == 3);
-  // A sensor that is seated badly is measured anew: that run is not worth completing.
+  // A badly seated sensor is measured again: that run is not worth completing.
   const std::string turn = "simulation.mount_turn=\"turned-90\"";
   check_refusal(of.calibrate({"--set", turn}), 1, "TB-SEATING");
   CHECK(of.calibrate({"--set", turn, "--run", "2"}).code == 1);

@@ -1,4 +1,4 @@
-// What `calibrate` says beside a verdict: the bad taxels, and the words that carry on.
+// Output of `calibrate` besides the verdict: the bad taxels, and the command line to continue.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <stdexcept>

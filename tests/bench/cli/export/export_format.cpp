@@ -167,7 +167,7 @@ TEST_CASE("export JSON: contains every list of a run with all its items") {
   REQUIRE(store.exported("1").code == 0);
   CHECK(store.text() == "sequence,name,taxel,position,input,output\n0,up,3,0,0.5,2.5\n0,up,3,1,1.5,3.5\n");
   const auto json =
-      store.told<nlohmann::json>(bench::add_runs, {"runs", "export", "1", "-o", store.folder.path("new")});
+      store.printed<nlohmann::json>(bench::add_runs, {"runs", "export", "1", "-o", store.folder.path("new")});
   CHECK(json.at("format") == "csv");
   CHECK(json.at("bytes") == store.text().size());
 }
@@ -185,9 +185,9 @@ TEST_CASE("runs copy: adds a run to an existing store") {
   for (const std::int64_t judged : {2, 3}) store.store.replace_verdicts(judged, own, {verdict});
   const std::string to = store.folder.path("to.db");
   CHECK(store.say(bench::add_runs, {"runs", "copy", "2", "1", "2", "--to", to}).code == 0);
-  const auto told = store.told<nlohmann::json>(bench::add_runs, {"runs", "copy", "3", "--to", to});
-  CHECK(told.at("runs") == nlohmann::json::parse(R"([{"run": 3, "copy": 3}])"));
-  CHECK(told.at("verdicts_left_behind").empty());
+  const auto printed = store.printed<nlohmann::json>(bench::add_runs, {"runs", "copy", "3", "--to", to});
+  CHECK(printed.at("runs") == nlohmann::json::parse(R"([{"run": 3, "copy": 3}])"));
+  CHECK(printed.at("verdicts_left_behind").empty());
   check_refusal(store.say(bench::add_runs, {"runs", "copy", "x", "--to", to}), 2, "TB-USAGE", "command line");
 }
 
@@ -209,7 +209,7 @@ TEST_CASE("export: overwrites a file of the same kind, leaves a file of another 
     }
 }
 
-TEST_CASE("export CSV: the column names appear once, also for one frame or none") {
+TEST_CASE("export CSV: the column names appear once, also for one frame or no frame") {
   const StoreOfKinds of;
   const auto table = [&](const std::string& run) {
     REQUIRE(of.exported(run, "csv", "run-" + run).code == 0);

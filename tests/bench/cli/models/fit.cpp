@@ -1,4 +1,4 @@
-// What fit refuses of its words, and how runs and sources are named.
+// Arguments that fit refuses, and how runs and sources are named.
 #include <array>
 #include <catch2/catch.hpp>
 #include <memory>
@@ -124,7 +124,7 @@ TEST_CASE("sources: a run number has up to 18 digits, a list is split at its com
   CHECK(bench::split_list("").empty());
 }
 
-// One fitted model as `fit` tells it as JSON, of a model that is known number by number.
+// The JSON of `fit` for one fitted model with known numbers.
 
 using namespace tactbench::bench;
 

@@ -199,7 +199,7 @@ struct FolderOfRuns {
     words.insert(words.begin(), "fit");
     return call(folder, words);
   }
-  nlohmann::json told(FitRunWords words) const {
+  nlohmann::json printed(FitRunWords words) const {
     words.emplace_back("--json");
     const Finished finished = fit(std::move(words));
     INFO(finished.err);
@@ -271,11 +271,11 @@ TEST_CASE("fit: of a run the default is the dynamic model, or ELAM if the run ha
   CHECK(document.at("program_version") == bench::build_info().version);
   const nlohmann::json run = nlohmann::json::parse(call(of.folder, {"runs", "show", "1", "--json"}).out);
   CHECK_THAT(document.dump(), Catch::Contains(run.at("content_sha256").get<std::string>()));
-  const nlohmann::json scored = of.told({"1", "--score", "2"});
+  const nlohmann::json scored = of.printed({"1", "--score", "2"});
   CHECK(scored.at("models").at(0).at("model") == "dynamic");
   CHECK(scored.at("models").at(0).at("scores").size() == 1);
   CHECK_FALSE(scored.at("models").at(0).at("shown_taxel").contains("cross_validated"));
-  CHECK(of.told({"3"}).at("model") == "elam");
+  CHECK(of.printed({"3"}).at("model") == "elam");
   CHECK(of.fit({"3", "--model", "dynamic"}).code == 0);
   CHECK(of.fit({"3", "-q"}).err.empty());
   CHECK_THAT(of.fit({"1", "--rate", "9", "--creep", "2"}).err, Catch::Contains("[TB-STORE-NOT-FOUND]"));
@@ -284,21 +284,21 @@ TEST_CASE("fit: of a run the default is the dynamic model, or ELAM if the run ha
 TEST_CASE("fit: of several runs each run gets its own model, and a run that cannot be fitted gets an error") {
   const FolderOfRuns of;
   CHECK(of.fit({"1-3", "--model", "mpi"}).code == 0);
-  const nlohmann::json told = of.told({"1,3", "--model", "mpi"});
-  CHECK(told.at("schema") == "tactbench.fit.runs");
-  CHECK(told.at("store") == "runs.db");
-  REQUIRE(told.at("runs").size() == 2);
-  CHECK((told.at("runs").at(0).at("run") == 1 && told.at("runs").at(0).at("fit") == 4));
-  CHECK((told.at("runs").at(1).at("run") == 3 && told.at("runs").at(1).at("taxels") == 256));
-  const nlohmann::json single = of.told({"3", "--model", "mpi"});
-  CHECK(told.at("runs").at(1).at("mean_error_psi") == single.at("evaluations").at(0).at("mean_error_psi"));
+  const nlohmann::json printed = of.printed({"1,3", "--model", "mpi"});
+  CHECK(printed.at("schema") == "tactbench.fit.runs");
+  CHECK(printed.at("store") == "runs.db");
+  REQUIRE(printed.at("runs").size() == 2);
+  CHECK((printed.at("runs").at(0).at("run") == 1 && printed.at("runs").at(0).at("fit") == 4));
+  CHECK((printed.at("runs").at(1).at("run") == 3 && printed.at("runs").at(1).at("taxels") == 256));
+  const nlohmann::json single = of.printed({"3", "--model", "mpi"});
+  CHECK(printed.at("runs").at(1).at("mean_error_psi") == single.at("evaluations").at(0).at("mean_error_psi"));
   CHECK(of.models() == 6);
   CHECK(of.fit({"1-3", "--model", "poly", "--fit", "small"}).code == 6);
   CHECK(of.fit({"1-2", "--model", "poly", "--mean-taxel"}).code == 2);
   // Some sequences of a run that has several.
   REQUIRE(call(of.folder, {"run", "./a.toml", "./b.toml", "--bench", "bench.toml", "--sensor", "S-1", "-q"}).code == 0);
   CHECK(of.fit({"4-4", "--model", "poly", "--fit", "loop"}).code == 0);
-  const nlohmann::json failed = of.told({"3-3", "--model", "poly", "--fit", "small"});
+  const nlohmann::json failed = of.printed({"3-3", "--model", "poly", "--fit", "small"});
   CHECK(failed.at("runs").at(0).at("error").get<std::string>().starts_with("TB-"));
   CHECK_FALSE(failed.at("runs").at(0).contains("fit"));
 }
@@ -431,10 +431,10 @@ TEST_CASE("compare: an outlier is reported with its line and makes the taxel unf
     words.emplace_back(option);
     return of.verb(words, rows);
   };
-  const Finished told = of.verb(fit, rows);
-  CHECK(told.code == 6);
-  CHECK_THAT(told.err, Catch::Contains("line 42"));
-  CHECK_THAT(told.out, Catch::Contains("unfit"));
+  const Finished printed = of.verb(fit, rows);
+  CHECK(printed.code == 6);
+  CHECK_THAT(printed.err, Catch::Contains("line 42"));
+  CHECK_THAT(printed.out, Catch::Contains("unfit"));
   const auto reported_json = nlohmann::json::parse(with("--json").out);
   for (const auto& model : reported_json.at("models")) CHECK(model.at("left_out").at(0).at("status") == "unfit");
   Rows low = of.rows();  // where it would turn the sign of what follows the input

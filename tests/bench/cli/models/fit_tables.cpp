@@ -41,7 +41,7 @@ struct FolderOfTables {
     words.insert(words.begin(), several ? "compare" : "fit");
     return model_verb(folder, std::move(words));
   }
-  nlohmann::json told(FitTableWords words) const {
+  nlohmann::json printed(FitTableWords words) const {
     words.emplace_back("--json");
     const Finished finished = fit(std::move(words));
     INFO(finished.err);
@@ -55,22 +55,22 @@ struct FolderOfTables {
 
 TEST_CASE("fit of a table: the document lists the models with their values and scores in the requested order") {
   const FolderOfTables of;
-  const nlohmann::json told =
-      of.told({"s.csv", "--fit", "full", "--model", "poly,monotone", "--input-unit", "psi", "--output-unit", "V"});
-  CHECK(of.told({"t.csv"}).at("models").at(0).at("model") == "elam");  // where none is named
-  check_members(told, R"({"schema": "tactbench.compare", "source": "s.csv", "origin": "imported"})");
-  CHECK((told.at("input_unit") == "psi" && told.at("output_unit") == "V"));
-  CHECK(told.at("falling") == false);
-  CHECK(told.at("fitted") == nlohmann::json{"full"});
-  CHECK(told.at("assumed").empty());
-  CHECK(told.at("warnings").size() == 1);
-  CHECK(told.at("turn").get<double>() == Approx(0.01).epsilon(0.01));
-  CHECK(told.at("noise").get<double>() > 0.0);
-  CHECK(told.at("models_left_out").empty());
-  REQUIRE(told.at("models").size() == 2);
-  CHECK(told.at("models").at(0).at("model") == "poly");
-  CHECK(told.at("models").at(1).at("model") == "monotone");
-  for (const nlohmann::json& model : told.at("models")) {
+  const nlohmann::json printed =
+      of.printed({"s.csv", "--fit", "full", "--model", "poly,monotone", "--input-unit", "psi", "--output-unit", "V"});
+  CHECK(of.printed({"t.csv"}).at("models").at(0).at("model") == "elam");  // where none is named
+  check_members(printed, R"({"schema": "tactbench.compare", "source": "s.csv", "origin": "imported"})");
+  CHECK((printed.at("input_unit") == "psi" && printed.at("output_unit") == "V"));
+  CHECK(printed.at("falling") == false);
+  CHECK(printed.at("fitted") == nlohmann::json{"full"});
+  CHECK(printed.at("assumed").empty());
+  CHECK(printed.at("warnings").size() == 1);
+  CHECK(printed.at("turn").get<double>() == Approx(0.01).epsilon(0.01));
+  CHECK(printed.at("noise").get<double>() > 0.0);
+  CHECK(printed.at("models_left_out").empty());
+  REQUIRE(printed.at("models").size() == 2);
+  CHECK(printed.at("models").at(0).at("model") == "poly");
+  CHECK(printed.at("models").at(1).at("model") == "monotone");
+  for (const nlohmann::json& model : printed.at("models")) {
     CHECK(model.at("fit") == 0);  // a table's models have no store
     CHECK(model.at("scores").size() == 1);
     CHECK(model.at("scores").at(0).at("on") == "inner, more of s.csv");
@@ -78,7 +78,7 @@ TEST_CASE("fit of a table: the document lists the models with their values and s
   }
   CHECK_FALSE(std::filesystem::exists(of.folder.path("runs.db")));
   const nlohmann::json whole =
-      of.told({"s.csv", "--model", "monotone"});  // three inner branches: enough to leave some out
+      of.printed({"s.csv", "--model", "monotone"});  // three inner branches: enough to leave some out
   CHECK(whole.at("models").at(0).at("shown_taxel").at("cross_validated").at("samples").get<int>() > 0);
   CHECK(whole.at("models").at(0).at("scores").empty());
 }
@@ -86,10 +86,10 @@ TEST_CASE("fit of a table: the document lists the models with their values and s
 TEST_CASE("fit of a table: a model that the data do not support is left out, a stored model states how it was made") {
   const FolderOfTables of;
   write_file(of.folder.path("inner.csv"), "input,output\n" + rows_of_play("", {0, 10, 4, 8, 3, 9, 5, 7, 2, 8, 4}));
-  const nlohmann::json told = of.told({"inner.csv", "--model", "elam,monotone"});
-  CHECK(told.at("models").size() == 1);
-  REQUIRE(told.at("models_left_out").size() == 1);
-  CHECK(told.at("models_left_out").at(0).at("model") == "elam");
+  const nlohmann::json printed = of.printed({"inner.csv", "--model", "elam,monotone"});
+  CHECK(printed.at("models").size() == 1);
+  REQUIRE(printed.at("models_left_out").size() == 1);
+  CHECK(printed.at("models_left_out").at(0).at("model") == "elam");
   CHECK(of.fit({"inner.csv", "--model", "monotone,elam"}).code == 0);
   check_refusal(of.fit({"inner.csv", "--model", "elam"}), 6, "TB-ANALYSIS-NO-LOOP");
   CHECK(of.fit({"t.csv", "--model", "monotone", "--mount", "glued", "--interface", "film", "--splits", "1", "-o",
@@ -103,7 +103,7 @@ TEST_CASE("fit of a table: a model that the data do not support is left out, a s
   CHECK_THAT(read_file(of.folder.path("t.csv")), Catch::StartsWith("input,output\n"));
   write_file(of.folder.path("two.csv"),
              "taxel,input,output\n" + rows_of_play("0,", kLoops) + rows_of_play("1,", kLoops, 2.0));
-  const nlohmann::json mean = of.told({"two.csv", "--mean-taxel", "--model", "monotone"});
+  const nlohmann::json mean = of.printed({"two.csv", "--mean-taxel", "--model", "monotone"});
   CHECK(mean.at("models").at(0).at("shown_taxel").at("taxel") == -1);
 }
 
@@ -113,10 +113,10 @@ TEST_CASE("fit of an imported run: models are stored under its number, the dynam
       verb_here(bench::add_runs, {"runs", "import", of.folder.path("t.csv"), "--db", of.folder.path("runs.db")}).code ==
       0);
   CHECK(of.fit({"1", "--model", "dynamic"}).code == 2);
-  CHECK(of.told({"1"}).at("models").at(0).at("model") == "elam");
-  const nlohmann::json told = of.told({"1", "--model", "poly,monotone", "--score", of.folder.path("s.csv")});
-  CHECK((told.at("models").at(0).at("fit") == 2 && told.at("models").at(1).at("fit") == 3));
-  CHECK(told.at("source") == "run 1");
+  CHECK(of.printed({"1"}).at("models").at(0).at("model") == "elam");
+  const nlohmann::json printed = of.printed({"1", "--model", "poly,monotone", "--score", of.folder.path("s.csv")});
+  CHECK((printed.at("models").at(0).at("fit") == 2 && printed.at("models").at(1).at("fit") == 3));
+  CHECK(printed.at("source") == "run 1");
   CHECK(of.fit({"1", "--model", "poly", "--held-out", "1"}).code == 2);
   CHECK(model_verb(of.folder, {"model", "show", "1:3"}).code == 0);
 }
@@ -124,11 +124,11 @@ TEST_CASE("fit of an imported run: models are stored under its number, the dynam
 TEST_CASE("fit --plot: draws the measured loop and each model, and does not overwrite a file of another kind") {
   const FolderOfTables of;
   const std::string plot = of.folder.path("loop.svg");
-  (void)of.told({"t.csv", "--model", "poly,monotone", "--plot", plot});
+  (void)of.printed({"t.csv", "--model", "poly,monotone", "--plot", plot});
   const std::string svg = read_file(plot);
   CHECK(svg.starts_with("<svg xmlns=\"http://www.w3.org/2000/svg\""));
   for (const char* label : {"measured", "poly", "monotone"}) CHECK_THAT(svg, Catch::Contains(label));
-  (void)of.told({"t.csv", "--plot", plot});
+  (void)of.printed({"t.csv", "--plot", plot});
   CHECK(of.fit({"t.csv", "--plot", of.folder.path("s.csv")}).code == 2);
 }
 
@@ -142,11 +142,11 @@ TEST_CASE("report: an imported table is reported without models, or with the err
     return nlohmann::json::parse(read_file(file));
   };
   CHECK(report().at("models").empty());
-  const nlohmann::json told = of.told({"1", "--model", "poly,monotone", "--score", of.folder.path("t.csv")});
+  const nlohmann::json printed = of.printed({"1", "--model", "poly,monotone", "--score", of.folder.path("t.csv")});
   const nlohmann::json of_models = report();
   REQUIRE(of_models.at("models").size() == 2);
   for (std::size_t i = 0; i < 2; ++i) {
-    const nlohmann::json& score = told.at("models").at(i).at("scores").at(0).at("all");
+    const nlohmann::json& score = printed.at("models").at(i).at("scores").at(0).at("all");
     CHECK(of_models.at("models").at(i).at("input_error").at("mean") == score.at("compensated").at("mean"));
     CHECK(of_models.at("models").at(i).at("output_error").at("max") == score.at("direct").at("max"));
   }
@@ -159,14 +159,14 @@ TEST_CASE("report: an imported table is reported without models, or with the err
 TEST_CASE("fit: options apply to the model that they belong to") {
   const FolderOfTables of;
   const auto label = [&](const FitTableWords& more) {
-    return of.told(joined_arguments({"t.csv"}, more)).at("models").at(0).at("model").get<std::string>();
+    return of.printed(joined_arguments({"t.csv"}, more)).at("models").at(0).at("model").get<std::string>();
   };
   CHECK(label({"--model", "elam"}) == "elam");
   CHECK(label({"--model", "elam", "--mode", "paper", "--identify", "exact"}) == "elam");
   CHECK(label({"--model", "elam", "--mode", "free-run", "--memory", "--exact-outer", "--splits", "2"}) ==
         "elam, free run, memory, exact outer, 2 splits");
   CHECK(label({"--model", "mpi", "--linearise"}) == "mpi, linearised");
-  const nlohmann::json starts = of.told({"t.csv", "--model", "gpi", "--starts", "2"});
+  const nlohmann::json starts = of.printed({"t.csv", "--model", "gpi", "--starts", "2"});
   CHECK(starts.at("models").at(0).at("shown_taxel").at("starts") == 2);
 }
 
@@ -182,7 +182,7 @@ TEST_CASE("fit of a table: accepts tables without header, with lines above it, a
   write_file(of.folder.path("late.csv"), "0 1 2\n" + bare);
   write_file(of.folder.path("wide.csv"), wide);
   const auto j = [&](const FitTableWords& words) {
-    return of.told(joined_arguments(words, {"--model", "monotone"})).at("models").at(0).at("shown_taxel").at("j");
+    return of.printed(joined_arguments(words, {"--model", "monotone"})).at("models").at(0).at("shown_taxel").at("j");
   };
   const nlohmann::json named = j({"t.csv"});
   for (const FitTableWords& words : {FitTableWords{"bare.csv", "--map", "input=1,output=2"},
@@ -192,7 +192,7 @@ TEST_CASE("fit of a table: accepts tables without header, with lines above it, a
     CHECK(j(words) == named);
   check_refusal(of.fit({"late.csv", "--map", "input=1,output=2", "--no-header"}), 2, "TB-TABLE-ROW");
   check_refusal(of.fit({"wide.csv", "--map", "input=force,output=a,output=b"}), 2, "TB-TABLE-MAP");
-  CHECK(of.told({"wide.csv", "--map", "input=force,output=2-3", "--mean-taxel", "--model", "monotone"})
+  CHECK(of.printed({"wide.csv", "--map", "input=force,output=2-3", "--mean-taxel", "--model", "monotone"})
             .at("models")
             .at(0)
             .at("shown_taxel")
@@ -210,7 +210,7 @@ TEST_CASE("fit of a table: reports a model with larger errors than a straight li
   for (int i = 0; i <= 40; ++i) straight += "line," + std::to_string(0.25 * i) + "," + std::to_string(0.3 * i) + "\n";
   write_file(of.folder.path("line.csv"), read_file(of.folder.path("s.csv")) + straight);
   const auto worse = [&](const char* scored) {
-    return of.told({"line.csv", "--fit", "full", "--score", scored, "--model", "monotone"})
+    return of.printed({"line.csv", "--fit", "full", "--score", scored, "--model", "monotone"})
         .at("models")
         .at(0)
         .at("scores")

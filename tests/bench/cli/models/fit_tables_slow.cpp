@@ -24,7 +24,7 @@ namespace {
 
 using Turns = std::vector<double>;
 
-// A recording every 0.2 s: 4 psi a second from turn to turn, rests of 3 s at each.
+// A recording every 0.2 s: 4 psi per second from turn to turn, rests of 3 s at each.
 std::string recorded(bool harsh, const Turns& turns, unsigned seed, double sign = 1.0, double factor = 1.0) {
   constexpr double kStep = 0.2, kRate = 4.0, kRest = 3.0;
   constexpr std::size_t kTaxel = 119;
@@ -263,8 +263,8 @@ struct TwoModels {
   }
   std::map<std::string, nlohmann::json> parameters(const std::vector<std::string>& more) const {
     std::map<std::string, nlohmann::json> found;
-    const auto told = nlohmann::json::parse(diff("a", "b", more).out);
-    for (const auto& one : told.at("parameters")) found[one.at("name").get<std::string>()] = one;
+    const auto printed = nlohmann::json::parse(diff("a", "b", more).out);
+    for (const auto& one : printed.at("parameters")) found[one.at("name").get<std::string>()] = one;
     return found;
   }
   TemporaryFolder folder;

@@ -175,16 +175,16 @@ TEST_CASE("model export --format c: a folder of ELAM, replaced only when asked, 
 TEST_CASE("model adjust: needs --zero or --gain, and model check reports samples outside the validity range") {
   const FolderOfLines of(moved_table(0.08) + "0,70,8.8\n");
   check_refusal(of.say({"model", "adjust", "m.json", "t.csv", "-o", "c.json"}), 2, "TB-USAGE", "model adjust");
-  const nlohmann::json told = nlohmann::json::parse(of.say({"model", "check", "m.json", "t.csv", "--json"}).out);
-  CHECK(told.at("outside_validity").size() == 1);
+  const nlohmann::json printed = nlohmann::json::parse(of.say({"model", "check", "m.json", "t.csv", "--json"}).out);
+  CHECK(printed.at("outside_validity").size() == 1);
 }
 
 TEST_CASE("model diff: a missing divider counts as 0, creep and lag are compared if both models have them") {
   const TemporaryFolder folder;
   // The mean difference, the largest one and its taxel.
   const auto difference = [&](const std::string& first, const std::string& second, const std::string& name) {
-    const auto told = nlohmann::json::parse(model_verb(folder, {"model", "diff", first, second, "--json"}).out);
-    for (const auto& one : told.at("parameters"))
+    const auto printed = nlohmann::json::parse(model_verb(folder, {"model", "diff", first, second, "--json"}).out);
+    for (const auto& one : printed.at("parameters"))
       if (one.at("name") == name)
         return std::tuple(one.at("mean").get<double>(), one.at("largest").get<double>(), one.at("taxel").get<int>());
     return std::tuple(0.0, 0.0, -9);  // not among them
@@ -230,9 +230,9 @@ TEST_CASE("model diff: a missing divider counts as 0, creep and lag are compared
   fewer.taxels.erase(fewer.taxels.begin() + 2);
   write_model(folder, "fewer.json", fewer);
   const auto first_alone = [&](const std::string& first, const std::string& second) {
-    const Finished told = model_verb(folder, {"model", "diff", first, second, "--json"});
-    CHECK(told.code == 1);
-    return nlohmann::json::parse(told.out).at("taxels_of_first_alone");
+    const Finished printed = model_verb(folder, {"model", "diff", first, second, "--json"});
+    CHECK(printed.code == 1);
+    return nlohmann::json::parse(printed.out).at("taxels_of_first_alone");
   };
   CHECK(first_alone("plain.json", "fewer.json") == 2);
   CHECK(first_alone("fewer.json", "plain.json") == 0);
@@ -244,11 +244,11 @@ TEST_CASE("model diff: parameters of inputs in different units are not compared"
   pressures.input_unit = "psi";
   write_model(folder, "psi.json", pressures);
   write_model(folder, "n.json", known_model(0.1, 0.0));
-  const nlohmann::json told =
+  const nlohmann::json printed =
       nlohmann::json::parse(model_verb(folder, {"model", "diff", "n.json", "psi.json", "--json"}).out);
-  CHECK((told["parameters"][2]["unit"] == "V/N" && told["parameters"][2]["unit_of_second"] == "V/psi"));
-  CHECK((told["parameters"][2]["mean"].is_null() && told["parameters"][2]["largest"].is_null()));
-  CHECK(told["parameters"][0]["mean"].get<double>() == Approx(0.25 / 3.0));
+  CHECK((printed["parameters"][2]["unit"] == "V/N" && printed["parameters"][2]["unit_of_second"] == "V/psi"));
+  CHECK((printed["parameters"][2]["mean"].is_null() && printed["parameters"][2]["largest"].is_null()));
+  CHECK(printed["parameters"][0]["mean"].get<double>() == Approx(0.25 / 3.0));
 }
 
 // The models of a run that `runs show` lists, of a store whose models are known.
@@ -284,7 +284,7 @@ TEST_CASE("runs show: lists each model of the run with its number, kind and numb
   check_refusal(of.say(bench::add_model, {"model", "show", "2"}), 6, "TB-ANALYSIS-NO-FIT");
 }
 
-// The rows of models: which are left out and which errors end the fit, and what a row tells as JSON.
+// The rows of models: which are left out and which errors end the fit, and a row as JSON.
 
 using namespace tactbench::bench;
 
@@ -308,7 +308,7 @@ analysis::ModelTaxel fitted_taxel(int number) {
   return taxel;
 }
 
-// What the models are scored on: tables ask it for its validity alone.
+// The data on which models are scored: tables need only its validity.
 analysis::Histories one_taxel() {
   analysis::Histories histories;
   analysis::TaxelHistories& taxel = histories.taxels.emplace_back();

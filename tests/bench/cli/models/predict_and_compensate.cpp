@@ -103,7 +103,7 @@ TEST_CASE("predict: inputs up to a fiftieth of the span outside the validity ran
   narrow.validity.input = analysis::Range{14.0, 64.0};
   const FolderOfModel of(narrow);
   CHECK(of.of_table("predict", "input\n14\n64\n13.05\n64.95\n").err.empty());
-  CHECK(of.of_table("compensate", "output,input\n1,99\n").err.empty());  // inputs are not looked at there
+  CHECK(of.of_table("compensate", "output,input\n1,99\n").err.empty());  // inputs are not checked there
 }
 
 TEST_CASE("predict and compensate: accept a units row and decimal commas, and keep a file of another kind") {
@@ -122,7 +122,7 @@ TEST_CASE("predict and compensate: accept a units row and decimal commas, and ke
   CHECK(kept.code == 2);
   CHECK_THAT(kept.err, Catch::Contains("--replace"));
   CHECK(read_file(of.folder.path("mine.csv")) == "mine\n");
-  const Finished half = of.of_table("predict", "input\n8\nx\n");  // what was read stands there before the error
+  const Finished half = of.of_table("predict", "input\n8\nx\n");  // rows read before the error are printed
   CHECK(half.code == 2);
   CHECK(half.out == "input,predicted\n8,1\n");
   check_refusal(model_verb(of.folder, {"predict", "m.json", "none.csv"}), 2, "TB-TABLE-OPEN");
@@ -246,7 +246,7 @@ TEST_CASE("predict and compensate: read standard input if no file is given, or i
       CHECK((of.typed(text, {verb, "m.json"}).code == 2 && of.of_table(verb, text).code == 2));
     }
   CHECK(of.typed("input,output\n1,x\n", {"compensate", "m.json"}).code == 2);
-  CHECK(of.typed("input,output\n1,x\n", {"predict", "m.json"}).code == 0);  // the outputs are not looked at
+  CHECK(of.typed("input,output\n1,x\n", {"predict", "m.json"}).code == 0);  // the outputs are not checked
 }
 
 TEST_CASE("live: an unwritable frame file ends it before a device is opened") {

@@ -1,4 +1,4 @@
-// nightly: what it prints, tells and keeps of a small night, scenario by scenario; and one that cannot be started.
+// nightly: text, JSON and stored data of a small night, scenario by scenario; and one that cannot be started.
 #include <catch2/catch.hpp>
 #include <csignal>
 #include <filesystem>
@@ -45,9 +45,9 @@ TEST_CASE("nightly: writes the requested lists and page, and leaves no scenario 
   const Finished quiet = of.night({"--only", "whole", "-q"});
   CHECK(quiet.code == 0);
   CHECK(quiet.err.empty());
-  const Finished told = of.night({"--only", "whole", "--json"});
-  CHECK(told.err.empty());
-  const Told document = Told::parse(told.out);
+  const Finished printed = of.night({"--only", "whole", "--json"});
+  CHECK(printed.err.empty());
+  const Told document = Told::parse(printed.out);
   check_members(document, R"({"schema": "tactbench.nightly", "suite": "small", "red": 0})");
   CHECK(document.at("scenarios").size() == 1);
 }

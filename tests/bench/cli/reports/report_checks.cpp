@@ -1,4 +1,4 @@
-// What a report's options and its signature are checked for, before anything is written.
+// Checks of a report's options and its signature, before anything is written.
 
 #include <catch2/catch.hpp>
 #include <string>

@@ -146,7 +146,7 @@ TEST_CASE("report: is written into a pipe, a full device is an error") {
 TEST_CASE("report: a batch has the values of the newest run of each sensor") {
   const TemporaryFolder& folder = reported();
   const json batch = data_of_run(folder, {"--batch", "1", "2", "3"});
-  CHECK(batch["runs"] == json::array({2, 3}));  // one a sensor, the newest
+  CHECK(batch["runs"] == json::array({2, 3}));  // one per sensor, the newest
   CHECK(batch["content"][0]["figures"]["mean_error_psi"] ==
         data_of_run(folder, {"2"})["results"]["evaluation"]["mean_error_psi"]);
 }
@@ -172,7 +172,7 @@ TEST_CASE("report: a PDF is made by an installed program and has no foreign date
                                                      Catch::Contains("(D:20") && Catch::Contains("(report.json)"));
 }
 
-// report: what it tells and writes of runs with models and without, of several runs, in each format, and signed; and
+// report: its JSON and files for runs with models and without, of several runs, in each format, and signed; and
 // what it refuses of models and further runs. The runs are small, so that each call takes no longer than its process.
 
 using Told = nlohmann::ordered_json;
@@ -194,7 +194,7 @@ struct RunsToReport {
     words.insert(words.begin(), "report");
     return call(folder, words);
   }
-  Told told(std::vector<std::string> words) const {
+  Told printed(std::vector<std::string> words) const {
     words.emplace_back("--json");
     return Told::parse(report(std::move(words)).out);
   }
@@ -214,11 +214,11 @@ struct RunsToReport {
 TEST_CASE("report: states verdicts, judgement and file of a judged run, also with models of another run") {
   const RunsToReport of;
   CHECK(of.report({"1"}).code == 6);
-  const std::string number = of.told({"1"}).at("number");
+  const std::string number = of.printed({"1"}).at("number");
   CHECK(number.starts_with("1-"));
   CHECK(of.report({"3", "--paper", "letter", "--units", "bar"}).code == 0);
   // The judgement of one run, and its models by another run's.
-  const Told one = of.told({"1"});
+  const Told one = of.printed({"1"});
   CHECK(one.at("schema") == "tactbench.report");
   CHECK(one.at("run") == 1);
   CHECK(one.at("runs") == Told::array({1}));
@@ -227,36 +227,36 @@ TEST_CASE("report: states verdicts, judgement and file of a judged run, also wit
   CHECK(one.at("verdicts").size() == 10);
   CHECK(one.at("judgement").at("overall") == "inconclusive");
   CHECK_FALSE(one.contains("judgements"));
-  const Told by_other = of.told({"2", "--model", "1"});
+  const Told by_other = of.printed({"2", "--model", "1"});
   CHECK(by_other.at("verdicts").size() == 10);
   CHECK(by_other.at("verdicts").at(0).at("run") == 2);
   CHECK(by_other.at("verdicts").at(0).at("model_run") == 1);
-  CHECK(of.told({"2", "--model", "1:1"}).at("number") == by_other.at("number"));
-  const Told held_out = of.told({"1", "--held-out", "3", "--limits", "limits.toml"});
+  CHECK(of.printed({"2", "--model", "1:1"}).at("number") == by_other.at("number"));
+  const Told held_out = of.printed({"1", "--held-out", "3", "--limits", "limits.toml"});
   CHECK(held_out.at("judgement").at("runs").size() == 1);
   CHECK(held_out.at("judgement").at("runs").at(0).at("run") == 3);
-  const Told both = of.told({"2", "--model", "1", "--held-out", "3", "--limits", "limits.toml"});
+  const Told both = of.printed({"2", "--model", "1", "--held-out", "3", "--limits", "limits.toml"});
   CHECK(both.at("judgement").at("runs").size() == 2);
 }
 
 TEST_CASE("report: a comparison of two runs and a batch each state one judgement per run") {
   const RunsToReport of;
   CHECK(of.report({"--compare", "1", "2"}).code == 6);
-  const std::string number = of.told({"--compare", "1", "2"}).at("number");
+  const std::string number = of.printed({"--compare", "1", "2"}).at("number");
   CHECK(number.starts_with("1-2-"));
   CHECK(of.report({"--compare", "1", "4"}).code == 6);  // of another sensor
-  const Told told = of.told({"--compare", "1", "2"});
-  CHECK(told.at("runs") == Told::array({1, 2}));
-  CHECK(told.at("judgements").size() == 2);
-  CHECK(told.at("judgements").at(0).at("overall") == "inconclusive");
-  CHECK_FALSE(told.contains("judgement"));
-  const Told other_way = of.told({"--compare", "2", "1"});
+  const Told printed = of.printed({"--compare", "1", "2"});
+  CHECK(printed.at("runs") == Told::array({1, 2}));
+  CHECK(printed.at("judgements").size() == 2);
+  CHECK(printed.at("judgements").at(0).at("overall") == "inconclusive");
+  CHECK_FALSE(printed.contains("judgement"));
+  const Told other_way = of.printed({"--compare", "2", "1"});
   CHECK(other_way.at("path") == "reports/compare-2-1.html");
-  const Told batch = of.told({"--batch", "1", "3", "4"});
+  const Told batch = of.printed({"--batch", "1", "3", "4"});
   CHECK(batch.at("judgements").size() == 2);  // a row for each sensor
   CHECK(batch.at("path") == "reports/batch-" + batch.at("number").get<std::string>() + ".html");
   CHECK(of.report({"--batch", "3", "4"}).code == 0);
-  CHECK(of.told({"--compare", "1", "2", "--format", "json", "-o", "c.json"}).at("path") == "c.json");
+  CHECK(of.printed({"--compare", "1", "2", "--format", "json", "-o", "c.json"}).at("path") == "c.json");
   CHECK(Told::parse(read_file(of.folder.path("c.json"))).at("schema") == "tactbench.comparison");
   of.report({"--batch", "3", "4", "--format", "json", "-o", "b.json"});
   CHECK(Told::parse(read_file(of.folder.path("b.json"))).at("schema") == "tactbench.batch");
@@ -275,12 +275,12 @@ TEST_CASE("report: a signed report keeps its number and file, and a later one st
   of.refused({"sign", "3", "--by", "K. Lee", "--without-verdict", "-o", "small.toml"}, "small.toml");
   CHECK(Told::parse(call(of.folder, {"report", "list", "--json"}).out).at("reports").empty());
   REQUIRE(of.report({"sign", "3", "--by", "K. Lee", "--without-verdict"}).code == 0);
-  const std::string number = of.told({"3"}).at("number"), path = "reports/run-" + number + ".html";
+  const std::string number = of.printed({"3"}).at("number"), path = "reports/run-" + number + ".html";
   CHECK_FALSE(of.exists("reports/run-3.html"));
   const std::string page = read_file(of.folder.path(path));
   CHECK(call(of.folder, {"report", "verify", number}).code == 0);
   const Finished again = of.report({"3"});
-  CHECK(of.told({"3"}).at("written") == false);
+  CHECK(of.printed({"3"}).at("written") == false);
   CHECK(read_file(of.folder.path(path)) == page);
   // A file that was changed since does not become the signed one by another call.
   write_file(of.folder.path(path), page + "<!-- more -->");

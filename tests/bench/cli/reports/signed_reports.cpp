@@ -53,20 +53,20 @@ TEST_CASE("report list: shows each signed report with run, signer, replaced repo
   SignedStore store;
   CHECK_THAT(store.reports({"list", "3"}).err, Catch::Contains("[TB-STORE-NOT-FOUND]"));
   const std::string file = store.write_report_file(2, "run-2-0000000c.pdf", "2-0000000c");
-  const auto told = nlohmann::json::parse(store.reports({"list", "--json"}).out).at("reports");
-  REQUIRE(told.size() == 3);
-  CHECK(told.at(1) == nlohmann::json{{"number", "1-0000000b"},
-                                     {"run", 1},
-                                     {"sensor", "S-1"},
-                                     {"origin", "simulated"},
-                                     {"signed", "2026-01-03T00:00:00Z"},
-                                     {"by", "M. Ito"},
-                                     {"replaces", "1-0000000a"},
-                                     {"reason", "serial corrected"},
-                                     {"sha256", "i"},
-                                     {"void_evidence", nlohmann::json::array()},
-                                     {"file", ""}});
-  CHECK(told.at(2).at("file") == file);
+  const auto printed = nlohmann::json::parse(store.reports({"list", "--json"}).out).at("reports");
+  REQUIRE(printed.size() == 3);
+  CHECK(printed.at(1) == nlohmann::json{{"number", "1-0000000b"},
+                                        {"run", 1},
+                                        {"sensor", "S-1"},
+                                        {"origin", "simulated"},
+                                        {"signed", "2026-01-03T00:00:00Z"},
+                                        {"by", "M. Ito"},
+                                        {"replaces", "1-0000000a"},
+                                        {"reason", "serial corrected"},
+                                        {"sha256", "i"},
+                                        {"void_evidence", nlohmann::json::array()},
+                                        {"file", ""}});
+  CHECK(printed.at(2).at("file") == file);
   CHECK(nlohmann::json::parse(store.reports({"list", "1", "--json"}).out).at("reports").size() == 2);
 }
 
@@ -79,10 +79,10 @@ TEST_CASE("report verify: rejects text that is neither file nor number, and repo
                   "report verify");
   }
   CHECK(store.reports({"verify", "1234567890-09afaf90"}).code == 1);
-  const auto told = nlohmann::json::parse(store.reports({"verify", "1-ffffffff", "--json"}).out);
-  CHECK(told.at("signed") == false);
-  CHECK(told.at("files").at(0).at("state") == "unknown");
-  CHECK_FALSE(told.contains("run"));
+  const auto printed = nlohmann::json::parse(store.reports({"verify", "1-ffffffff", "--json"}).out);
+  CHECK(printed.at("signed") == false);
+  CHECK(printed.at("files").at(0).at("state") == "unknown");
+  CHECK_FALSE(printed.contains("run"));
 }
 
 TEST_CASE("report verify: reports a file as unchanged, changed, of an earlier report, or missing") {
@@ -91,8 +91,8 @@ TEST_CASE("report verify: reports a file as unchanged, changed, of an earlier re
   const auto states = [&](const std::string& named) {
     const Finished verified = store.reports({"verify", named, "--json"});
     std::string text = std::to_string(verified.code);
-    const nlohmann::json told = nlohmann::json::parse(verified.out);
-    for (const auto& file : told.at("files")) text += " " + file.at("state").get<std::string>();
+    const nlohmann::json printed = nlohmann::json::parse(verified.out);
+    for (const auto& file : printed.at("files")) text += " " + file.at("state").get<std::string>();
     return text;
   };
   CHECK(store.reports({"verify", "1-0000000a"}).code == 6);
@@ -110,10 +110,10 @@ TEST_CASE("report verify: reports a file as unchanged, changed, of an earlier re
   const std::string letter = store.folder.path("letter");
   write_file(letter, "dear diary");
   CHECK(store.reports({"verify", letter}).code == 6);
-  const auto told = nlohmann::json::parse(store.reports({"verify", page, "--json"}).out);
-  CHECK(told.at("files").at(0) ==
+  const auto printed = nlohmann::json::parse(store.reports({"verify", page, "--json"}).out);
+  CHECK(printed.at("files").at(0) ==
         nlohmann::json{{"file", page}, {"sha256", db::sha256_hex(read_file(page))}, {"state", "changed"}});
-  CHECK(told.at("replaced_by") == "");
+  CHECK(printed.at("replaced_by") == "");
   CHECK(nlohmann::json::parse(store.reports({"verify", old, "--json"}).out).at("replaced_because") ==
         "serial corrected");
 }
@@ -140,7 +140,7 @@ TEST_CASE("report verify: after voiding a run used as evidence, void names the s
   };
   CHECK(evidence(store.path) == "holds");
   const auto voided =
-      store.told<nlohmann::json>(bench::add_runs, {"runs", "void", "1", "--reason", "gauge closed", "--by", "me"});
+      store.printed<nlohmann::json>(bench::add_runs, {"runs", "void", "1", "--reason", "gauge closed", "--by", "me"});
   CHECK(voided.at("signed_reports") == nlohmann::json{"1-0000000b", "2-0000000c"});
   CHECK(store.reports({"verify", page}).code == 1);
   CHECK(evidence(store.path) == "fallen");
@@ -149,7 +149,7 @@ TEST_CASE("report verify: after voiding a run used as evidence, void names the s
             .at(0)
             .at("void_evidence")
             .size() == 1);
-  // A copy without the run that it was judged on cannot tell.
+  // A copy without the run on which it was judged cannot be checked.
   const std::string copy = store.folder.path("copy.db");
   db::RunStore::open(copy).copy_runs_from(store.store, {2});
   CHECK(evidence(copy) == "unknown");

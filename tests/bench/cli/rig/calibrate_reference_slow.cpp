@@ -150,24 +150,24 @@ TEST_CASE("calibrate-reference: a signal during the wait for a reading ends it v
 
 TEST_CASE("calibrate-reference: the JSON document has the corrections of the written file") {
   const TypedReadings of;
-  const nlohmann::json told = nlohmann::json::parse(
+  const nlohmann::json printed = nlohmann::json::parse(
       well(of.calibrate("0.1\n30.2\n60.3\n60.2\n30\n0\n", "--levels 0,30,60 -o ref.toml --json")).out);
-  CHECK(told.at("schema") == "tactbench.devices.calibrate-reference");
-  CHECK(told.at("file") == "ref.toml");
+  CHECK(printed.at("schema") == "tactbench.devices.calibrate-reference");
+  CHECK(printed.at("file") == "ref.toml");
   // Each correction is that of the means of its two readings.
   const std::vector<Recorded> readings = recorded(of.file("ref.toml"));
   REQUIRE(readings.size() == 6);
   for (std::size_t i = 0; i < 3; ++i) {
     const double reading = 0.5 * (readings[i].reference + readings[5 - i].reference);
-    CHECK(told.at("reading_psi").at(i).get<double>() == Approx(reading).margin(6e-4));
-    CHECK(told.at("correction_psi").at(i).get<double>() ==
+    CHECK(printed.at("reading_psi").at(i).get<double>() == Approx(reading).margin(6e-4));
+    CHECK(printed.at("correction_psi").at(i).get<double>() ==
           Approx(0.5 * (readings[i].gauge + readings[5 - i].gauge) - reading).margin(6e-4));
-    CHECK(told.at("expanded_uncertainty_psi").at(i).get<double>() > 0.05);
+    CHECK(printed.at("expanded_uncertainty_psi").at(i).get<double>() > 0.05);
   }
   CHECK(run_program(program_path(),
                     {"devices", "check", "--bench", "bench.toml", "--set", "reference.correction_file=ref.toml"},
                     of.folder.path())
             .code == 0);
-  CHECK(told.at("largest_residual_psi").get<double>() >= 0.0);
-  CHECK(told.at("hysteresis_psi").get<double>() >= 0.0);
+  CHECK(printed.at("largest_residual_psi").get<double>() >= 0.0);
+  CHECK(printed.at("hysteresis_psi").get<double>() >= 0.0);
 }

@@ -92,11 +92,11 @@ TEST_CASE("devices test: states the result of rig and check standard together") 
   const auto concluded = [&](const std::string& what_moved, int code, const std::string& states, bool press = false) {
     const Finished done =
         rig.check(press ? std::vector<std::string>{"--json", "--press"} : std::vector<std::string>{"--json"});
-    const Told told = Told::parse(well(done, code).out);
+    const Told printed = Told::parse(well(done, code).out);
     std::string found;
-    for (const Told& one : told.at("checks")) found += one.at("state").get<std::string>() + ", ";
+    for (const Told& one : printed.at("checks")) found += one.at("state").get<std::string>() + ", ";
     CHECK(found == states);
-    const std::string said = told.at("conclusion");
+    const std::string said = printed.at("conclusion");
     CHECK(conclusions.emplace(what_moved, said).first->second == said);
   };
   accept(0, PlaceInBand::kWithin);

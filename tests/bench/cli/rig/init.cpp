@@ -1,4 +1,4 @@
-// What init, recipes, config and devices reset write and tell, and what they refuse.
+// Files and JSON of init, recipes, config and devices reset, and their refusals.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <filesystem>
@@ -43,9 +43,9 @@ TEST_CASE("init: writes the files of each kind of bench, and overwrites none") {
   const std::string own = folder.path("own");
   CHECK(init("own", {"--operator", "A. \"Q\" Person"}).code == 0);
   CHECK_THAT(read_file(own + "/tactbench.toml"), Catch::Contains("\noperator = \"A. \\\"Q\\\" Person\"\n"));
-  const nlohmann::json told = nlohmann::json::parse(init("told", {"--json"}).out);
-  CHECK(told.at("files").size() == 4);
-  CHECK(told.at("files").at(3) == folder.path("told/lab.toml"));
+  const nlohmann::json printed = nlohmann::json::parse(init("told", {"--json"}).out);
+  CHECK(printed.at("files").size() == 4);
+  CHECK(printed.at("files").at(3) == folder.path("told/lab.toml"));
   check_refusal(init("own", {}), 2, "TB-FILE-EXISTS");
   std::filesystem::remove(own + "/bench.toml");
   CHECK(init("own", {"--operator", "B"}).code == 2);
@@ -119,10 +119,10 @@ TEST_CASE("config: prints each value and where it comes from") {
   CHECK(plain.code == 0);
   CHECK_THAT(plain.out, Catch::Contains("\nbench.location = \"here\"\n") && !Catch::Contains("  # "));
   CHECK_THAT(show({"--origin", "--set", "bench.location=\"here\""}).out, Catch::Contains("  # --set\n"));
-  const nlohmann::json told = nlohmann::json::parse(show({"--json", "--set", "bench.location=\"here\""}).out);
-  CHECK(told.at("profile").empty());
+  const nlohmann::json printed = nlohmann::json::parse(show({"--json", "--set", "bench.location=\"here\""}).out);
+  CHECK(printed.at("profile").empty());
   bool found = false;
-  for (const nlohmann::json& setting : told.at("settings")) found = found || setting.at("value") == "\"here\"";
+  for (const nlohmann::json& setting : printed.at("settings")) found = found || setting.at("value") == "\"here\"";
   CHECK(found);
 }
 
@@ -138,8 +138,8 @@ TEST_CASE("devices reset: reports the trip that it removes, or that there is non
   CHECK_FALSE(none.contains("id"));
   const bench::TripFile file(id);
   REQUIRE(file.store({"TB-X", "it broke", 7, ""}));
-  const nlohmann::json told = nlohmann::json::parse(reset({"--json"}).out);
-  check_members(told, R"({"tripped": true, "id": "TB-X", "what": "it broke", "run": 7})");
+  const nlohmann::json printed = nlohmann::json::parse(reset({"--json"}).out);
+  check_members(printed, R"({"tripped": true, "id": "TB-X", "what": "it broke", "run": 7})");
   CHECK_FALSE(file.read());
 }
 

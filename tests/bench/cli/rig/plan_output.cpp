@@ -1,4 +1,4 @@
-// What plan tells of small recipes, every figure of it worked out by hand: 20 psi/s, and 0.65 s to settle.
+// Output of plan for small recipes, with hand-computed figures: 20 psi/s, and 0.65 s to settle.
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -43,34 +43,34 @@ struct PlanFolder {
 
 TEST_CASE("plan: the JSON document has every value, and each step on request") {
   const PlanFolder here;
-  const nlohmann::json told = here.json({"two"});
-  CHECK(told.at("schema") == "tactbench.plan");
-  CHECK(told.at("bench") == "simulated-rig");
-  REQUIRE(told.at("recipes").size() == 1);
-  CHECK(told.at("recipes").at(0).at("name") == "two");
-  for (const nlohmann::json& time : {told.at("recipes").at(0).at("time"), told.at("time")}) {
+  const nlohmann::json printed = here.json({"two"});
+  CHECK(printed.at("schema") == "tactbench.plan");
+  CHECK(printed.at("bench") == "simulated-rig");
+  REQUIRE(printed.at("recipes").size() == 1);
+  CHECK(printed.at("recipes").at(0).at("name") == "two");
+  for (const nlohmann::json& time : {printed.at("recipes").at(0).at("time"), printed.at("time")}) {
     CHECK(time.at("p10_s").get<double>() == Approx(45.46));
     CHECK(time.at("p50_s").get<double>() == Approx(47.8));
     CHECK(time.at("p90_s").get<double>() == Approx(55.6));
     CHECK(time.at("runs") == 0);
     CHECK(time.at("prompts") == 0);
   }
-  CHECK(told.at("process_seconds").get<double>() == Approx(47.8));
-  CHECK(told.at("steps") == 12);
-  CHECK(told.at("frames") == 10);
-  CHECK(told.at("axes") ==
+  CHECK(printed.at("process_seconds").get<double>() == Approx(47.8));
+  CHECK(printed.at("steps") == 12);
+  CHECK(printed.at("frames") == 10);
+  CHECK(printed.at("axes") ==
         nlohmann::json::parse(R"([{"axis": "pressure", "unit": "psi", "lowest": 0.0, "highest": 20.0, "limit": 60.0,
                                   "margin": 40.0}])"));
-  check_members(told, R"({"lowest_psi": 0.0, "highest_psi": 20.0, "largest_force_n": 0.0,
+  check_members(printed, R"({"lowest_psi": 0.0, "highest_psi": 20.0, "largest_force_n": 0.0,
                           "command_limit_psi": 60.0, "margin_psi": 40.0, "store_bytes": 12440.0})");
-  CHECK(told.at("devices") == nlohmann::json({"pressure source", "pressure reference", "tactile array"}));
-  CHECK(told.at("instruments") == nlohmann::json::parse(R"json([{"role": "pressure reference",
+  CHECK(printed.at("devices") == nlohmann::json({"pressure source", "pressure reference", "tactile array"}));
+  CHECK(printed.at("instruments") == nlohmann::json::parse(R"json([{"role": "pressure reference",
       "model": "simulated transducer, 100 psi", "serial": "SIM-REF-1",
       "certificate": "SIM-CERT-1 (invented for the simulation)", "calibrated": "", "due": "", "overdue": false
 }])json"));
-  CHECK(told.at("fail_safe").size() >= 4);
-  CHECK_FALSE(told.contains("limits"));
-  CHECK_FALSE(told.contains("step_list"));
+  CHECK(printed.at("fail_safe").size() >= 4);
+  CHECK_FALSE(printed.contains("limits"));
+  CHECK_FALSE(printed.contains("step_list"));
   const nlohmann::json both = here.json({"two", "touch"}, {"--steps"});
   CHECK(both.at("recipes").at(1).at("time").at("prompts") == 1);
   CHECK(both.at("recipes").at(1).at("time").at("p50_s").get<double>() == Approx(57.8));
@@ -110,9 +110,9 @@ TEST_CASE("plan: lists parameters with value, default and range") {
              "[parameters.level]\ndefault = 10\nlow = 5\nhigh = 40\nunit = \"psi\"\nhelp = \"the top\"\n");
   const std::vector<std::string> asked = {"--parameters", "--set", "recipe.level=20"};
   CHECK(here.plan({"free", "two"}, {"--parameters"}).code == 0);
-  const nlohmann::json told = here.json({"free"}, asked);
-  CHECK(told.at("schema") == "tactbench.plan.parameters");
-  CHECK(told.at("parameters") == nlohmann::json::parse(R"([{"recipe": "free", "name": "level", "value": 20.0,
+  const nlohmann::json printed = here.json({"free"}, asked);
+  CHECK(printed.at("schema") == "tactbench.plan.parameters");
+  CHECK(printed.at("parameters") == nlohmann::json::parse(R"([{"recipe": "free", "name": "level", "value": 20.0,
       "default": 10.0, "low": 5.0, "high": 40.0, "unit": "psi", "help": "the top"}])"));
 }
 

@@ -1,4 +1,4 @@
-// `tactbench simulate` in a process of its own, with the real drivers of another process on its wires.
+// `tactbench simulate` in a separate process, with the real drivers of another process on its connections.
 #include <csignal>
 
 #include <catch2/catch.hpp>

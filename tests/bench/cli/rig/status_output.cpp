@@ -32,16 +32,16 @@ TEST_CASE("status: shows the last run of the store, of a bench, or the run that 
   const StoreOfStatus store;
   CHECK(store.status({"status"}).code == 0);
   check_refusal(store.status({"status", "9"}), 2, "TB-STORE-NOT-FOUND");
-  const auto told = [&](std::vector<std::string> more) {
+  const auto printed = [&](std::vector<std::string> more) {
     more.insert(more.begin(), "status");
-    return store.told<nlohmann::json>(bench::add_status, more);
+    return store.printed<nlohmann::json>(bench::add_status, more);
   };
-  const nlohmann::json last = told({});
+  const nlohmann::json last = printed({});
   CHECK((last.at("live") == false && last.at("runs").empty() && last.at("silent").empty()));
   CHECK((last.at("last_run").at("run") == 3 && last.at("last_run").at("lives") == false));
-  CHECK(told({"--bench", "bench-b"}).at("last_run").at("run") == 2);
-  CHECK(told({"1"}).at("last_run").at("run") == 1);
-  CHECK(told({"--bench", "bench-c"}).at("last_run").is_null());
+  CHECK(printed({"--bench", "bench-b"}).at("last_run").at("run") == 2);
+  CHECK(printed({"1"}).at("last_run").at("run") == 1);
+  CHECK(printed({"--bench", "bench-c"}).at("last_run").is_null());
 }
 
 TEST_CASE("watch: for an ended run it ends with the exit code of that run") {

@@ -34,7 +34,7 @@ struct CommandsGiven {
     return folder.path(name);
   }
   Finished give(const CommandWords& words) const { return call(folder, words); }
-  [[nodiscard]] nlohmann::json told(CommandWords words) const {
+  [[nodiscard]] nlohmann::json printed(CommandWords words) const {
     words.emplace_back("--json");
     return nlohmann::json::parse(give(words).out);
   }
@@ -62,10 +62,10 @@ TEST_CASE("commands: the only live run answers, other commands are rejected with
   of.refused({"resume", "3", "--db", "live.db"}, "TB-RUN-WORD");
   of.taken({"pause"});
   of.taken({"resume"});
-  const auto told = nlohmann::ordered_json::parse(of.give({"stop", "--json"}).out);
-  CHECK(told.at("schema") == "tactbench.stop");
-  CHECK((told.at("run") == 3 && told.at("bench") == "live" && told.at("store") == of.folder.path("live.db")));
-  CHECK((told.at("state") == "running" && told.at("step") == 3 && told.at("steps") == 40));
+  const auto printed = nlohmann::ordered_json::parse(of.give({"stop", "--json"}).out);
+  CHECK(printed.at("schema") == "tactbench.stop");
+  CHECK((printed.at("run") == 3 && printed.at("bench") == "live" && printed.at("store") == of.folder.path("live.db")));
+  CHECK((printed.at("state") == "running" && printed.at("step") == 3 && printed.at("steps") == 40));
   of.taken({"stop", "--abort", "3"});
   of.taken({"panic", "--bench", "live"});
   of.refused({"pause", "4"}, "TB-RUN-NOT-LIVE");
@@ -134,36 +134,36 @@ TEST_CASE("status: lists every live run, or only those of one run number, bench 
   CHECK(both.code == 0);
   CHECK(both.err.empty());
   const auto only = [&](const std::vector<std::string>& words) {
-    const nlohmann::json runs = of.told(words).at("runs");
+    const nlohmann::json runs = of.printed(words).at("runs");
     REQUIRE(runs.size() == 1);
     return runs.at(0).at("run");
   };
   CHECK(only({"status", "3"}) == 3);
   CHECK(only({"status", "--bench", "other"}) == 4);
   CHECK(only({"status", "--db", "live.db"}) == 3);
-  const nlohmann::json told = of.told({"status"});
-  CHECK(told.at("live") == true);
-  REQUIRE(told.at("runs").size() == 2);
-  CHECK(told.at("runs").at(1).at("run") == 4);
-  CHECK(told.at("silent").empty());
-  CHECK(told.at("last_run").is_null());
+  const nlohmann::json printed = of.printed({"status"});
+  CHECK(printed.at("live") == true);
+  REQUIRE(printed.at("runs").size() == 2);
+  CHECK(printed.at("runs").at(1).at("run") == 4);
+  CHECK(printed.at("silent").empty());
+  CHECK(printed.at("last_run").is_null());
 }
 
 TEST_CASE("status: names a bench that does not respond") {
   const CommandsGiven of;
   const SilentRun silent("a-frozen", "/run/7");
-  const nlohmann::json told = of.told({"status"});
-  CHECK(told.at("live") == false);
-  REQUIRE(told.at("silent").size() == 1);
-  const nlohmann::json& one = told.at("silent").at(0);
+  const nlohmann::json printed = of.printed({"status"});
+  CHECK(printed.at("live") == false);
+  REQUIRE(printed.at("silent").size() == 1);
+  const nlohmann::json& one = printed.at("silent").at(0);
   CHECK((one.at("bench") == "a-frozen" && one.at("run") == 7 && one.at("process") == ::getpid()));
   const AnsweringRun live("live", 3, of.store("live.db"));
-  CHECK(of.told({"status"}).at("live") == true);
-  {  // the last run of a store is told beside a bench that does not answer
+  CHECK(of.printed({"status"}).at("live") == true);
+  {  // the last run of a store is shown next to a bench that does not answer
     db::RunStore store = db::RunStore::open(of.folder.path("runs.db"), db::Durability::kNormal);
     (void)store_example(store);
   }
-  CHECK(of.told({"status", "--db", "runs.db"}).at("last_run").at("run") == 1);
+  CHECK(of.printed({"status", "--db", "runs.db"}).at("last_run").at("run") == 1);
 }
 
 TEST_CASE("watch: shows how an ended run ended only if no silent run matches, a live run is not taken as ended") {
@@ -197,8 +197,8 @@ TEST_CASE("status: without --db it reads the store of this folder") {
     db::RunStore store = db::RunStore::open(of.folder.path("runs.db"), db::Durability::kNormal);
     (void)store_example(store);
   }
-  CHECK(of.told({"status"}).at("last_run").at("run") == 1);
-  CHECK(of.told({"status", "1"}).at("last_run").at("run") == 1);
+  CHECK(of.printed({"status"}).at("last_run").at("run") == 1);
+  CHECK(of.printed({"status", "1"}).at("last_run").at("run") == 1);
 }
 
 // devices check, watch, reset and scan: dates of calibration on their very day, values that nobody filled in, what an
@@ -257,21 +257,21 @@ TEST_CASE("live: prints pressures, forces and the array once per frame") {
     // Pressures within 0.2 psi of 0, forces within 0.05 N.
     CHECK(std::abs(std::stod(seen.out.substr(first + 11))) < 0.2);
   }
-  const auto told =
+  const auto printed =
       nlohmann::json::parse(call(folder, {"devices", "check", "--bench", "simulated.toml", "--json"}).out);
-  CHECK(told["bench"] == "simulated-rig");
-  REQUIRE(told["devices"].size() == 6);
-  CHECK(told["devices"][1]["role"] == "regulator");
-  CHECK(told["devices"][1]["state"] == "ok");
-  CHECK(told["devices"][4]["notes"].size() == 1);
+  CHECK(printed["bench"] == "simulated-rig");
+  REQUIRE(printed["devices"].size() == 6);
+  CHECK(printed["devices"][1]["role"] == "regulator");
+  CHECK(printed["devices"][1]["state"] == "ok");
+  CHECK(printed["devices"][4]["notes"].size() == 1);
 }
 
 TEST_CASE("devices scan: lists devices as JSON, including a host that does not respond") {
   const TemporaryFolder folder;
   CHECK(call(folder, {"devices", "scan"}).code == 0);
-  const auto told = nlohmann::json::parse(call(folder, {"devices", "scan", "--json"}).out);
-  CHECK(told.at("schema") == "tactbench.devices.scan");
-  CHECK(told.at("devices").is_array());
+  const auto printed = nlohmann::json::parse(call(folder, {"devices", "scan", "--json"}).out);
+  CHECK(printed.at("schema") == "tactbench.devices.scan");
+  CHECK(printed.at("devices").is_array());
   // Nothing listens on this port, and the answer says so.
   const auto one = nlohmann::json::parse(call(folder, {"devices", "scan", "--modbus", "127.0.0.1:1", "--json"}).out);
   CHECK(std::ranges::any_of(one.at("devices"), [](const nlohmann::json& device) {
@@ -288,13 +288,13 @@ Finished announced_page(const std::string& words, const char* announced_in = "ou
   const TemporaryFolder folder;
   const std::string announcement = folder.path(announced_in);
   write_file(announcement, "");
-  const auto told = [&] {
+  const auto printed = [&] {
     const std::string text = read_file(announcement);
     return text.ends_with("\n") && (!text.starts_with("{") || text.ends_with("\n}\n"));
   };
   Finished done =
       run_program("/bin/sh", {"-c", "exec '" + std::string(program_path()) + "' page " + words + " >out 2>err"},
-                  folder.path(), {SIGTERM, told});
+                  folder.path(), {SIGTERM, printed});
   done.out = read_file(folder.path("out"));
   done.err = read_file(folder.path("err"));
   return done;
@@ -336,12 +336,12 @@ TEST_CASE("page: prints its address on a free port, with separate links for read
   CHECK(secrets.find('.') == std::string::npos);
   const Finished commands = announced_page("--port 0 --operator bob");
   CHECK_THAT(commands.out.substr(commands.out.find('#')), Catch::Contains("."));
-  const nlohmann::json told = nlohmann::json::parse(announced_page("--port 0 --operator bob --json").out);
-  CHECK(told.at("schema") == "tactbench.page");
-  CHECK(told.at("operator") == "bob");
-  const std::string link = told.at("link"), readers = told.at("readers_link");
-  CHECK(told.at("port") == port_in_page_link(link));
-  CHECK(told.at("port") != 0);
+  const nlohmann::json printed = nlohmann::json::parse(announced_page("--port 0 --operator bob --json").out);
+  CHECK(printed.at("schema") == "tactbench.page");
+  CHECK(printed.at("operator") == "bob");
+  const std::string link = printed.at("link"), readers = printed.at("readers_link");
+  CHECK(printed.at("port") == port_in_page_link(link));
+  CHECK(printed.at("port") != 0);
   CHECK(link.starts_with(readers + "."));
   CHECK(nlohmann::json::parse(announced_page("--port 0 --json").out).at("operator") == "");
 }
@@ -364,7 +364,7 @@ TEST_CASE("page: if the default port is in use it takes another one, an explicit
   CHECK(call(folder, {"page", "--listen", "192.0.2.1", "--tls", "none.pem", "none.key"}).code == 2);
 }
 
-// What `simulate` tells of the wires that it serves, and the bench file that it writes for its clients.
+// Output of `simulate` about the connections that it serves, and the bench file that it writes for its clients.
 
 namespace {
 
@@ -375,12 +375,12 @@ struct ServedOnce {
     words.emplace_back("--json");
     const Finished finished = call(folder, words);
     REQUIRE(finished.code == 0);
-    told = nlohmann::json::parse(finished.out);
+    printed = nlohmann::json::parse(finished.out);
     bench = read_file(folder.path("client.toml"));
   }
   // The place of the first wire whose name begins so.
   [[nodiscard]] std::string where(const std::string& what) const {
-    for (const auto& one : told.at("served"))
+    for (const auto& one : printed.at("served"))
       if (one.at("what").get<std::string>().starts_with(what)) return one.at("where");
     return "none";
   }
@@ -394,7 +394,7 @@ struct ServedOnce {
     return bench.substr(from, bench.find('\n', from) - from);
   }
   TemporaryFolder folder;
-  nlohmann::json told;
+  nlohmann::json printed;
   std::string bench;
 };
 
@@ -470,10 +470,10 @@ TEST_CASE("simulate: a bench file without a host gets the host that is served") 
 
 TEST_CASE("simulate: works with --json and without a bench file, and rejects a hardware bench") {
   const TemporaryFolder folder;
-  const auto told = nlohmann::ordered_json::parse(call(folder, {"simulate", "--for", "0.1", "--json"}).out);
-  check_members(told, R"({"schema": "tactbench.simulate", "rate": 1.0, "bench": ""})");
-  REQUIRE(told.at("served").size() == 9);
-  CHECK_THAT(told.at("served").at(5).at("where").get<std::string>(), Catch::StartsWith("/dev/"));
+  const auto printed = nlohmann::ordered_json::parse(call(folder, {"simulate", "--for", "0.1", "--json"}).out);
+  check_members(printed, R"({"schema": "tactbench.simulate", "rate": 1.0, "bench": ""})");
+  REQUIRE(printed.at("served").size() == 9);
+  CHECK_THAT(printed.at("served").at(5).at("where").get<std::string>(), Catch::StartsWith("/dev/"));
   const Finished hardware = call(folder, {"simulate", "--for", "0.1", "--bench", "paper-rig.example.toml"});
   CHECK(hardware.code == 2);
   CHECK(hardware.out.empty());

@@ -51,12 +51,12 @@ TEST_CASE("runs show: lists verdicts by several models and limits, and the overa
   const std::string first(64, '1'), second(64, '2');
   store.store.replace_verdicts(2, own, {row("pass", first)});
   store.store.replace_verdicts(2, 0, {row("fail", second)});
-  const nlohmann::json told = store.shown(2);
-  CHECK(told.at("verdict") == "simulated fail");
-  CHECK(told.at("verdicts").size() == 2);
-  CHECK(told.at("frames") == 3);
-  CHECK_FALSE(told.contains("pruned"));
-  CHECK_FALSE(told.contains("specimen"));
+  const nlohmann::json printed = store.shown(2);
+  CHECK(printed.at("verdict") == "simulated fail");
+  CHECK(printed.at("verdicts").size() == 2);
+  CHECK(printed.at("frames") == 3);
+  CHECK_FALSE(printed.contains("pruned"));
+  CHECK_FALSE(printed.contains("specimen"));
 }
 
 TEST_CASE("runs show: shows the rule and number of pruned frames, also for a run without bench and operator") {
@@ -72,8 +72,8 @@ TEST_CASE("runs show: shows the rule and number of pruned frames, also for a run
   store.store.set_tags(1, {"nightly"}, {});
   (void)store.store.prune_frames(1, "old nights", kUtc);
   store.store.void_run(1, "gauge closed", "K. Lee", kUtc);
-  const nlohmann::json told = store.shown(1);
-  CHECK(told.at("pruned") == nlohmann::json{{"frames", 3}, {"rule", "old nights"}, {"pruned_utc", kUtc}});
+  const nlohmann::json printed = store.shown(1);
+  CHECK(printed.at("pruned") == nlohmann::json{{"frames", 3}, {"rule", "old nights"}, {"pruned_utc", kUtc}});
   const auto listed = nlohmann::json::parse(store.runs({"list", "--all", "--json"}).out).at("runs");
   CHECK(listed.at(0).at("frames_pruned") == 3);
 }
@@ -88,16 +88,16 @@ TEST_CASE("runs list: counts void runs, and marks whether a run that has not end
   CHECK(nlohmann::json::parse(store.runs({"list", "--json"}).out).at("runs").at(1).at("lives") == false);
   lock.lock_for_resume(4);
   CHECK(nlohmann::json::parse(store.runs({"list", "--all", "--json"}).out).at("runs").size() == 4);
-  const auto told = nlohmann::json::parse(store.runs({"list", "--json"}).out);
-  CHECK(told.at("void_left_out") == 2);
-  REQUIRE(told.at("runs").size() == 2);
-  CHECK(told.at("runs").at(0).at("frames") == 3);
-  CHECK_FALSE(told.at("runs").at(0).contains("lives"));
-  CHECK(told.at("runs").at(1).at("lives") == true);
-  CHECK(told.at("runs").at(1).at("frames") == 0);
+  const auto printed = nlohmann::json::parse(store.runs({"list", "--json"}).out);
+  CHECK(printed.at("void_left_out") == 2);
+  REQUIRE(printed.at("runs").size() == 2);
+  CHECK(printed.at("runs").at(0).at("frames") == 3);
+  CHECK_FALSE(printed.at("runs").at(0).contains("lives"));
+  CHECK(printed.at("runs").at(1).at("lives") == true);
+  CHECK(printed.at("runs").at(1).at("frames") == 0);
 }
 
-TEST_CASE("runs list: in a file or a pipe one whole line a run, with its lot, its recipes and all of its purpose") {
+TEST_CASE("runs list: in a file or a pipe one complete line per run, with lot, recipes and the full purpose") {
   StoreOfPages store;
   const std::string purpose = "of the first film " + std::string(300, 'x') + " and its end";
   store.add([&](db::RunRecord& run) { run.purpose = purpose; });
@@ -138,12 +138,12 @@ TEST_CASE("runs diff: names members by path and settings by key, and ignores hos
   CHECK(diff("3").at("differences").empty());
   store.store.set_tags(1, {"lot=A7", "night"}, {});
   store.store.set_tags(3, {"lot=A8", "film=B"}, {});
-  const nlohmann::json told = diff("3");
-  CHECK(told.at("differences") ==
+  const nlohmann::json printed = diff("3");
+  CHECK(printed.at("differences") ==
         nlohmann::json::parse(R"([{"what": "tags", "first": "[\"night\"]", "second": "[]"}])"));
-  CHECK(told.at("metadata").size() == 2);
-  CHECK(told.at("frames_equal") == 3);
-  CHECK(told.at("first_frame") == 0);
+  CHECK(printed.at("metadata").size() == 2);
+  CHECK(printed.at("frames_equal") == 3);
+  CHECK(printed.at("first_frame") == 0);
 }
 
 TEST_CASE("runs diff: compares verdicts, and a run with fewer frames") {
@@ -182,12 +182,13 @@ TEST_CASE("runs show: lists checks with details, and events with time") {
   store.store.append_event(run, {1'250'000'000, "fault", "TB-X", "one"});
   store.store.append_event(run, {2'500'000'000, "command", "", "two"});
   store.store.end_run(run, db::Outcome::kCompleted, "done", db::SafeState::kVerified, kUtc);
-  const nlohmann::json told = store.shown(run);
-  REQUIRE(told.at("checks").size() == 2);
-  CHECK(told.at("checks").at(0) ==
+  const nlohmann::json printed = store.shown(run);
+  REQUIRE(printed.at("checks").size() == 2);
+  CHECK(printed.at("checks").at(0) ==
         nlohmann::json{
             {"time_s", 1.25}, {"kind", "tare"}, {"verdict", "pass"}, {"detail", nlohmann::json::parse(detail)}});
-  CHECK(told.at("events") == nlohmann::json::parse(R"([{"time_s": 1.25, "kind": "fault", "id": "TB-X", "detail": "one"},
+  CHECK(printed.at("events") ==
+        nlohmann::json::parse(R"([{"time_s": 1.25, "kind": "fault", "id": "TB-X", "detail": "one"},
                                   {"time_s": 2.5, "kind": "command", "id": "", "detail": "two"}])"));
 }
 
@@ -311,11 +312,11 @@ struct StoreOfSensors : StoreHere {
 
 TEST_CASE("sensors list and show: the JSON documents have their members") {
   const StoreOfSensors store;
-  const Told told = Told::parse(store.sensors({"list", "--json"}).out);
-  CHECK(told.at("schema") == "tactbench.sensors.list");
-  REQUIRE(told.at("sensors").size() == 2);
-  CHECK(told.at("sensors").at(0).at("serial") == "S-0");
-  CHECK(told.at("sensors").at(1).at("scanner") == "SC-7");
+  const Told printed = Told::parse(store.sensors({"list", "--json"}).out);
+  CHECK(printed.at("schema") == "tactbench.sensors.list");
+  REQUIRE(printed.at("sensors").size() == 2);
+  CHECK(printed.at("sensors").at(0).at("serial") == "S-0");
+  CHECK(printed.at("sensors").at(1).at("scanner") == "SC-7");
   const Told one = Told::parse(store.sensors({"show", "S-1", "--json"}).out);
   CHECK(one.at("schema") == "tactbench.sensors.show");
   CHECK(one.at("serial") == "S-1");
@@ -339,7 +340,7 @@ TEST_CASE("sensors add: stores the sensor with its type file and the time") {
   CHECK(sensor->scanner_serial == "SC-9");
   CHECK(sensor->note == "from lot A7");
   CHECK(sensor->added_utc > "2026");
-  const Told told = Told::parse(store.sensors({"add", "S-8", "--type", type, "--json"}).out);
-  check_members(told, R"({"schema": "tactbench.sensors.add", "serial": "S-8", "scanner": ""})");
+  const Told printed = Told::parse(store.sensors({"add", "S-8", "--type", type, "--json"}).out);
+  check_members(printed, R"({"schema": "tactbench.sensors.add", "serial": "S-8", "scanner": ""})");
   CHECK(store.sensors({"add", "S-7", "--type", store.folder.path("none.toml")}).code == 2);
 }

@@ -1,4 +1,4 @@
-// db snapshot, migrate and check: what they tell as JSON and leave behind.
+// db snapshot, migrate and check: their JSON and the files that they leave.
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -39,21 +39,21 @@ TEST_CASE("runs copy: copies a whole store and reports its size, and overwrites 
   CHECK(db::RunStore::open_read_only(copy).run(1).content_sha256 ==
         db::RunStore::open_read_only(of.path).run(1).content_sha256);
   check_refusal(of.copy_to(copy), 2, "TB-STORE-EXISTS");
-  const Told told = Told::parse(of.copy_to(second, {"--json"}).out);
-  CHECK(told == Told{{"schema", "tactbench.runs.copy"},
-                     {"version", 1},
-                     {"store", of.path},
-                     {"to", second},
-                     {"bytes", std::filesystem::file_size(second)}});
+  const Told printed = Told::parse(of.copy_to(second, {"--json"}).out);
+  CHECK(printed == Told{{"schema", "tactbench.runs.copy"},
+                        {"version", 1},
+                        {"store", of.path},
+                        {"to", second},
+                        {"bytes", std::filesystem::file_size(second)}});
 }
 
 TEST_CASE("db migrate: leaves a store of the current schema unchanged") {
   const StoreForDb of;
   CHECK(of.say(bench::add_db, {"db", "migrate"}).code == 0);
-  const Told told = Told::parse(of.say(bench::add_db, {"db", "migrate", "--json"}).out);
-  CHECK(told.at("store") == of.path);
-  CHECK(told.at("schema_before") == db::kSchemaVersion);
-  CHECK(told.at("backup") == "");
+  const Told printed = Told::parse(of.say(bench::add_db, {"db", "migrate", "--json"}).out);
+  CHECK(printed.at("store") == of.path);
+  CHECK(printed.at("schema_before") == db::kSchemaVersion);
+  CHECK(printed.at("backup") == "");
 }
 
 TEST_CASE("db: a missing store is rejected and not created") {
@@ -90,25 +90,25 @@ TEST_CASE("verify: reports each run that differs, and runs that have not ended")
   db::sqlite::Connection(of.path, db::sqlite::Access::kReadWrite)
       .execute("UPDATE frames SET status = 9 WHERE frame = 1000000002");
   CHECK(of.say(bench::add_verify, {"verify"}).code == 5);
-  const Told told = Told::parse(of.say(bench::add_verify, {"verify", "--json"}).out);
-  CHECK(told.at("holds") == false);
-  CHECK(told.at("structure").empty());
-  REQUIRE(told.at("runs").size() == 3);
-  CHECK(told.at("runs").at(0).at("holds") == false);
-  CHECK(told.at("runs").at(0).at("ended") == true);
-  CHECK_FALSE(told.at("runs").at(0).at("difference").get<std::string>().empty());
-  CHECK(told.at("runs").at(1) == Told{{"run", 2},
-                                      {"ended", true},
-                                      {"holds", true},
-                                      {"pruned", false},
-                                      {"frames", 3},
-                                      {"difference", ""},
-                                      {"beside", Told::array()}});
-  CHECK(told.at("runs").at(2).at("ended") == false);
-  CHECK(told.at("runs").at(2).at("holds") == true);
+  const Told printed = Told::parse(of.say(bench::add_verify, {"verify", "--json"}).out);
+  CHECK(printed.at("holds") == false);
+  CHECK(printed.at("structure").empty());
+  REQUIRE(printed.at("runs").size() == 3);
+  CHECK(printed.at("runs").at(0).at("holds") == false);
+  CHECK(printed.at("runs").at(0).at("ended") == true);
+  CHECK_FALSE(printed.at("runs").at(0).at("difference").get<std::string>().empty());
+  CHECK(printed.at("runs").at(1) == Told{{"run", 2},
+                                         {"ended", true},
+                                         {"holds", true},
+                                         {"pruned", false},
+                                         {"frames", 3},
+                                         {"difference", ""},
+                                         {"beside", Told::array()}});
+  CHECK(printed.at("runs").at(2).at("ended") == false);
+  CHECK(printed.at("runs").at(2).at("holds") == true);
 }
 
-// import: what it prints and stores of a table, row by row; and the doubts that it tells.
+// import: what it prints and stores of a table, row by row; and the doubts that it reports.
 
 namespace {
 
@@ -170,15 +170,15 @@ TEST_CASE("import: units of the command line outrank those of the table, and the
         nlohmann::json{{"input_unit", "N"}, {"output_unit", "V"}, {"map", "input=force,output=3,sequence=sequence"}});
   CHECK(calibration(2) ==
         nlohmann::json{{"input_unit", "kN"}, {"output_unit", "mV"}, {"map", "input=force,output=volts,sequence=1"}});
-  const auto told =
+  const auto printed =
       nlohmann::ordered_json::parse(table.import({"--json", "--map", "input=force,output=volts,sequence=1"}).out);
-  CHECK(told == nlohmann::ordered_json{{"schema", "tactbench.import"},
-                                       {"version", 1},
-                                       {"run", 3},
-                                       {"rows", 5},
-                                       {"left_out", 0},
-                                       {"sequences", 1},
-                                       {"sha256", db::sha256_hex(read_file(table.file))}});
+  CHECK(printed == nlohmann::ordered_json{{"schema", "tactbench.import"},
+                                          {"version", 1},
+                                          {"run", 3},
+                                          {"rows", 5},
+                                          {"left_out", 0},
+                                          {"sequences", 1},
+                                          {"sha256", db::sha256_hex(read_file(table.file))}});
 }
 
 TEST_CASE("import: counts the rows that are left out") {
@@ -237,8 +237,8 @@ TEST_CASE("db prune: --keep accepts days, weeks and dates within their limits") 
   // Of a day of UTC, which may turn meanwhile.
   for (const auto& [rule, days] : std::vector<std::pair<std::string, int>>{{"3d", 3}, {"2w", 14}, {"1d", 1}}) {
     const std::string before = bench::utc_days_ago(days);
-    const nlohmann::json told = nlohmann::json::parse(store.prune(rule, {"--json"}).out);
-    CHECK((before <= told.at("begin_of_kept") && told.at("begin_of_kept") <= bench::utc_days_ago(days)));
+    const nlohmann::json printed = nlohmann::json::parse(store.prune(rule, {"--json"}).out);
+    CHECK((before <= printed.at("begin_of_kept") && printed.at("begin_of_kept") <= bench::utc_days_ago(days)));
   }
 }
 
@@ -288,12 +288,12 @@ TEST_CASE("db prune: reports what would be removed, what was removed and what re
   CHECK(store.prune("2024-05-01T", {}).code == 2);
   CHECK(store.prune("2024-05-02", {"--yes"}).code == 0);
   CHECK(nlohmann::json::parse(store.prune("2024-05-02", {"--yes", "--shrink", "--json"}).out).at("frames") == 0);
-  const nlohmann::json told = nlohmann::json::parse(store.prune("2024-05-03", {"--yes", "--json"}).out);
-  CHECK(told.at("done") == true);
-  CHECK(told.at("runs") == nlohmann::json({5, 6}));
-  CHECK(told.at("frames") == 6);
-  CHECK(told.at("bytes") == 6 * (24 + 32));
-  CHECK(told.at("kept") == nlohmann::json::parse(R"([{"run": 2, "why": "pinned"}])"));
+  const nlohmann::json printed = nlohmann::json::parse(store.prune("2024-05-03", {"--yes", "--json"}).out);
+  CHECK(printed.at("done") == true);
+  CHECK(printed.at("runs") == nlohmann::json({5, 6}));
+  CHECK(printed.at("frames") == 6);
+  CHECK(printed.at("bytes") == 6 * (24 + 32));
+  CHECK(printed.at("kept") == nlohmann::json::parse(R"([{"run": 2, "why": "pinned"}])"));
 }
 
 TEST_CASE("db prune: does not prune a damaged run") {

@@ -45,7 +45,7 @@ TEST_CASE("verify: recomputes content, models and verdicts, and names what was c
   const auto first_difference = [&](const std::string& run) {
     return json::parse(call(folder, {"verify", run, "--json"}).out)["first_difference"].get<std::string>();
   };
-  // The hashes beside verdicts and fits tell that one was changed; recomputing tells which.
+  // The hashes stored with verdicts and fits show that one was changed; recomputing shows which.
   change(folder, "UPDATE verdicts SET verdict = 'fail' WHERE criterion = 'unfit_taxels'");
   CHECK(call(folder, {"verify", "2"}).code == 5);
   CHECK_THAT(first_difference("2"), Catch::Contains("unfit_taxels"));

@@ -1,4 +1,4 @@
-// trend: what it tells as JSON and ends with, of figures whose baselines are worked out by hand.
+// trend: JSON and exit code for figures with hand-computed baselines.
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <map>
@@ -67,10 +67,10 @@ TEST_CASE("trend: reports a statistic as within its band, shifted, outside or mi
   CHECK(figure().at("missing") == true);
   CHECK(store.trend({"--check"}).code == 1);
   store.add("rig/a", {{"mean_error_psi", 13.0}, {"frames", 100.0}}, "simulated", 9);
-  const Told told = Told::parse(store.trend({"--json"}).out).at("subjects").at(0);
-  CHECK(told.at("same_seeds_as_run") == 9);
-  CHECK_FALSE(told.at("figures").at(1).contains("ewma"));
-  CHECK(told.at("figures").at(1).at("slope_per_run").get<double>() == Approx(0.2916667));
+  const Told printed = Told::parse(store.trend({"--json"}).out).at("subjects").at(0);
+  CHECK(printed.at("same_seeds_as_run") == 9);
+  CHECK_FALSE(printed.at("figures").at(1).contains("ewma"));
+  CHECK(printed.at("figures").at(1).at("slope_per_run").get<double>() == Approx(0.2916667));
 }
 
 TEST_CASE("trend: --check without any comparison is inconclusive") {
@@ -90,12 +90,12 @@ TEST_CASE("trend: --check without any comparison is inconclusive") {
 TEST_CASE("trend: the JSON document has all members of a statistic") {
   StoreOfTrends store;
   store.add_baseline("rig/a", "mean_error_psi");
-  const auto told = [&] { return Told::parse(store.trend({"--json"}).out); };
-  const auto error = [&] { return told().at("subjects").at(0).at("figures").at(1); };
+  const auto printed = [&] { return Told::parse(store.trend({"--json"}).out); };
+  const auto error = [&] { return printed().at("subjects").at(0).at("figures").at(1); };
   CHECK_FALSE(error().contains("ewma"));
   CHECK_FALSE(error().contains("slope_per_run"));
   store.add("rig/a", {{"mean_error_psi", 12.0}, {"frames", 100.0}});
-  const Told all = told();
+  const Told all = printed();
   CHECK(all.at("schema") == "tactbench.trend");
   CHECK(all.at("store") == store.path);
   CHECK(all.at("origin") == "simulated");
@@ -139,8 +139,8 @@ TEST_CASE("trend: selects subjects by sensor, subject or statistic, and rejects 
   const auto subjects = [&](Names more = {}) {
     more.emplace_back("--json");
     Names names;
-    const Told told = Told::parse(store.trend(more).out);
-    for (const Told& subject : told.at("subjects")) names.push_back(subject.at("subject"));
+    const Told printed = Told::parse(store.trend(more).out);
+    for (const Told& subject : printed.at("subjects")) names.push_back(subject.at("subject"));
     return names;
   };
   refused({});
@@ -164,7 +164,7 @@ TEST_CASE("trend: selects subjects by sensor, subject or statistic, and rejects 
   CHECK(Told::parse(store.trend({"--json", "--sensor", "S-1"}).out).at("origin") == "hardware");
 }
 
-// What trend accept, runs merge and nightly make of stores, and what they refuse where those lack what they need.
+// trend accept, runs merge and nightly on stores, and their refusals of incomplete ones.
 
 namespace {
 
@@ -213,7 +213,7 @@ TEST_CASE("trend accept: rejects invalid run ranges, and runs without values") {
   store.open().void_run(2, "by hand", "K. Lee", kUtc);
   CHECK_THAT(store.accept({"2"}).err, Catch::Contains("[TB-RUN-VOID]"));
   CHECK(store.accept({"2", "--void-too"}).code == 2);
-  CHECK(store.told<nlohmann::json>(bench::add_trend, {"trend", "baselines"}).at("baselines").empty());
+  CHECK(store.printed<nlohmann::json>(bench::add_trend, {"trend", "baselines"}).at("baselines").empty());
 }
 
 TEST_CASE("trend accept: each subject gets its own runs of a range") {
@@ -228,14 +228,14 @@ TEST_CASE("trend accept: each subject gets its own runs of a range") {
   CHECK(store.accept({"1-8", "9-16", "3"}).code == 0);
   store.add("rig/a", 12);  // 17 to 28
   CHECK(store.accept({"1-8", "17-27"}).code == 0);
-  const nlohmann::json told = nlohmann::json::parse(store.accept({"1-8", "17-28"}, {"--json"}).out);
-  CHECK(told.at("store") == store.path);
-  REQUIRE(told.at("baselines").size() == 1);
-  const nlohmann::json& one = told.at("baselines").at(0);
+  const nlohmann::json printed = nlohmann::json::parse(store.accept({"1-8", "17-28"}, {"--json"}).out);
+  CHECK(printed.at("store") == store.path);
+  REQUIRE(printed.at("baselines").size() == 1);
+  const nlohmann::json& one = printed.at("baselines").at(0);
   check_members(one, R"({"baseline": 5, "subject": "rig/a", "counted": 20})");
   CHECK(one.at("runs").size() == 20);
   CHECK(one.at("runs").at(8) == 17);
-  const auto listed = store.told<nlohmann::json>(bench::add_trend, {"trend", "baselines"});
+  const auto listed = store.printed<nlohmann::json>(bench::add_trend, {"trend", "baselines"});
   CHECK(listed.at("baselines").size() == 5);
   CHECK(listed.at("baselines").at(0).at("accepted_by") == "K. Lee");
   CHECK(listed.at("baselines").at(0).at("reason") == "as made");
@@ -256,10 +256,10 @@ TEST_CASE("runs merge: stores without a night give no night file, and the merged
     std::filesystem::remove(all);
   }
   CHECK(merge({}).code == 0);
-  const nlohmann::json told = nlohmann::json::parse(merge({"--json"}).out);
-  CHECK(told.at("parts") == nlohmann::json({store.path, other.path}));
-  CHECK(told.at("nights").empty());
-  CHECK(told.at("there") == 3);
+  const nlohmann::json printed = nlohmann::json::parse(merge({"--json"}).out);
+  CHECK(printed.at("parts") == nlohmann::json({store.path, other.path}));
+  CHECK(printed.at("nights").empty());
+  CHECK(printed.at("there") == 3);
 }
 
 TEST_CASE("nightly: one part of a night needs its own store, and no page") {

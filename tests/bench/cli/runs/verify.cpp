@@ -18,7 +18,7 @@ struct StoreToVerify : OpenStoreHere {
   StoreToVerify() { (void)store_example(store); }
   Finished verify() const { return say(bench::add_verify, {"verify", "1"}); }
   [[nodiscard]] nlohmann::json verify_result() const {
-    return told<nlohmann::json>(bench::add_verify, {"verify", "1"});
+    return printed<nlohmann::json>(bench::add_verify, {"verify", "1"});
   }
   void change(const char* sql) const { db::sqlite::Connection(path, db::sqlite::Access::kReadWrite).execute(sql); }
   [[nodiscard]] std::string hash() const { return store.run(1).content_sha256; }
@@ -29,15 +29,15 @@ struct StoreToVerify : OpenStoreHere {
 TEST_CASE("verify: an unchanged stored run passes") {
   const StoreToVerify store;
   CHECK(store.verify().code == 0);
-  const nlohmann::json told = store.verify_result();
-  check_members(told, R"({"run": 1, "origin": "simulated", "holds": true})");
-  CHECK(told.at("pruned").is_null());
-  CHECK(told.at("first_difference") == "");
-  CHECK(told.at("content") ==
+  const nlohmann::json printed = store.verify_result();
+  check_members(printed, R"({"run": 1, "origin": "simulated", "holds": true})");
+  CHECK(printed.at("pruned").is_null());
+  CHECK(printed.at("first_difference") == "");
+  CHECK(printed.at("content") ==
         nlohmann::json{
             {"holds", true}, {"frames", 3}, {"stored_sha256", store.hash()}, {"computed_sha256", store.hash()}});
-  CHECK(told.at("beside").empty());
-  CHECK(told.at("analysis").empty());
+  CHECK(printed.at("beside").empty());
+  CHECK(printed.at("analysis").empty());
   CHECK_THAT(verb_here(bench::add_verify, {"verify", "x", "--db", store.path}).err, Catch::Contains("[TB-USAGE]"));
 }
 
@@ -49,10 +49,10 @@ TEST_CASE("verify: exit code 5 for changed content or a changed approval") {
   CHECK(store.verify_result().at("beside").size() == 1);
   store.change("UPDATE frames SET status = 9 WHERE frame = (SELECT min(frame) FROM frames)");
   CHECK(store.verify().code == 5);
-  const nlohmann::json told = store.verify_result();
-  CHECK(told.at("holds") == false);
-  CHECK(told.at("content").at("holds") == false);
-  CHECK(told.at("content").at("computed_sha256") != store.hash());
+  const nlohmann::json printed = store.verify_result();
+  CHECK(printed.at("holds") == false);
+  CHECK(printed.at("content").at("holds") == false);
+  CHECK(printed.at("content").at("computed_sha256") != store.hash());
 }
 
 TEST_CASE("verify: exit code 6 for a run with pruned frames, a run that has not ended is rejected") {
@@ -60,15 +60,15 @@ TEST_CASE("verify: exit code 6 for a run with pruned frames, a run that has not 
   store.store.set_tags(1, {"nightly"}, {});
   (void)store.store.prune_frames(1, "old nights", kUtc);
   CHECK(store.verify().code == 6);
-  const nlohmann::json told = store.verify_result();
-  CHECK(told.at("pruned") == nlohmann::json{{"frames", 3}, {"rule", "old nights"}, {"pruned_utc", kUtc}});
+  const nlohmann::json printed = store.verify_result();
+  CHECK(printed.at("pruned") == nlohmann::json{{"frames", 3}, {"rule", "old nights"}, {"pruned_utc", kUtc}});
   store.change("UPDATE runs SET seed = 8");
   CHECK(store.verify().code == 5);
   (void)begin_example(store.store);
   check_refusal(verb_here(bench::add_verify, {"verify", "2", "--db", store.path}), 6, "TB-VERIFY-NOT-ENDED");
 }
 
-// runs diff: trees beside words, settings without a key, tags and checks, and the first count that differs.
+// runs diff: trees compared with words, settings without a key, tags and checks, and the first count that differs.
 
 namespace {
 
@@ -98,13 +98,13 @@ struct PairOfRuns : OpenStoreHere {
         bench::add_runs,
         joined_arguments({"runs", "diff", std::to_string(first), std::to_string(second), "--db", path}, more));
   }
-  [[nodiscard]] nlohmann::json told(std::int64_t first, std::int64_t second) const {
+  [[nodiscard]] nlohmann::json printed(std::int64_t first, std::int64_t second) const {
     return nlohmann::json::parse(diff(first, second, {"--json"}).out);
   }
-  // As "what: first | second", but for the hashes.
+  // As "what: first | second", without the hashes.
   [[nodiscard]] std::string differences(std::int64_t first, std::int64_t second) const {
     std::string text;
-    const nlohmann::json found = told(first, second).at("differences");
+    const nlohmann::json found = printed(first, second).at("differences");
     for (const nlohmann::json& one : found)
       if (one.at("what") != "content_sha256")
         text += one.at("what").get<std::string>() + ": " + one.at("first").get<std::string>() + " | " +
@@ -164,8 +164,8 @@ TEST_CASE("runs diff: compares each value of a frame") {
       }};
   for (std::size_t i = 0; i < changes.size(); ++i) {
     INFO(i);
-    const nlohmann::json told = runs.told(first, runs.add_frame(changes[i]));
-    check_members(told, R"({"same_content": false, "frames_equal": 0, "first_frame": 1})");
+    const nlohmann::json printed = runs.printed(first, runs.add_frame(changes[i]));
+    check_members(printed, R"({"same_content": false, "frames_equal": 0, "first_frame": 1})");
   }
   const std::int64_t gap = runs.add_frame([](db::FrameRecord& f) { f.feedback_psi = NAN; });
   const std::int64_t gap_too = runs.add_frame([](db::FrameRecord& f) { f.feedback_psi = NAN; });

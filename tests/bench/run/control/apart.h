@@ -15,7 +15,7 @@ namespace tactbench::tests {
 inline constexpr uid_t kNobodyHere = 65534;
 inline constexpr gid_t kGroupHere = 54321;
 
-// A process of its own, which lives until the object goes; `stay`, called by its work, says that all is ready.
+// A separate process, which lives until the object is destroyed; `stay`, called by its work, says that all is ready.
 using Stay = std::function<void()>;
 
 class Apart {

@@ -208,7 +208,7 @@ TEST_CASE("control: each status, reading and answer counts as an update, a comma
   CHECK(control.news() == 3);
 }
 
-// What a client sends over the control socket, read and written.
+// Requests of a client over the control socket, read and written.
 
 TEST_CASE("client messages: a written message is read back, including on whose behalf it is sent") {
   const ClientRequest pause = parse_client_request(command_packet(Command::kPause, "bob of 127.0.0.1"));
@@ -389,7 +389,7 @@ TEST_CASE(
   CHECK(pace.left_s(start + 35s, 10, 100) == 180.0);
   Pace rested(start);
   CHECK(rested.left_s(start + 60s, 10, 40) == 180.0);
-  CHECK(rested.left_s(start + 120s, 10, 40) == 360.0);  // the same step again tells nothing more
+  CHECK(rested.left_s(start + 120s, 10, 40) == 360.0);  // the same step again gives no new information
   CHECK(rested.left_s(start + 180s + 1ns, 20, 40) < 0.0);
   CHECK(rested.left_s(start + 190s + 1ns, 20, 40) < 0.0);
   CHECK(rested.left_s(start + 200s + 1ns, 30, 40) == 20.0);

@@ -70,7 +70,7 @@ struct Words {
     };
     return run_small(request, store);
   }
-  // Of run 1, "kind id", those that tell why it ended.
+  // Events of run 1, "kind id", that show why it ended.
   [[nodiscard]] std::vector<std::string> reasons() const {
     std::vector<std::string> reasons;
     for (const db::EventRecord& event : store.events(1)) {
@@ -88,7 +88,7 @@ struct Words {
 constexpr int kMidway = 15;  // a step under pressure
 using Reasons = std::vector<std::string>;
 
-// What the sequencer's next command meets, before it looks at words again.
+// Action during the sequencer's next command, before it polls commands again.
 struct Met {
   std::string id;
   std::function<void(bench::Rig&)> make;
@@ -195,7 +195,7 @@ using std::chrono::milliseconds;
 
 namespace {
 
-// What a process that was stopped leaves of its run: the names are held, nobody takes a connection.
+// State after a process was stopped: the names are held, but no connection is accepted.
 struct Frozen {
   explicit Frozen(const std::string& id) : name(id), run(id + "/run/7") {}
   void fill() {  // until no more can wait there
@@ -424,7 +424,7 @@ std::ptrdiff_t open_descriptors() {
   return std::distance(begin(all), end(all));
 }
 
-// What a live run of bench "thrifty" answers from.
+// The state from which a live run of bench "thrifty" answers.
 struct ThriftyRun {
   ThriftyRun() {
     config.id = "thrifty";

@@ -68,7 +68,7 @@ struct Desk {
   TemporaryFolder folder;
 };
 
-// A named pipe with a reader that is there and goes, or stands still.
+// A named pipe with a reader that closes it, or stops reading.
 class Pipe {
  public:
   explicit Pipe(const std::string& path) : path_(path) {

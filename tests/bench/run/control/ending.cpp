@@ -1,4 +1,4 @@
-// What ends a run, and how its answers are parsed: without a rig and without a socket.
+// Reasons for the end of a run, and parsing of its answers: without a rig and without a socket.
 #include <catch2/catch.hpp>
 #include <csignal>
 
@@ -16,7 +16,7 @@ using namespace tactbench::bench;
 
 namespace {
 
-// What catches the exception that `thrown` is.
+// Throws `thrown` and catches it.
 template <class Thrown>
 void met(EndReason& ending, const Thrown& thrown) {
   try {

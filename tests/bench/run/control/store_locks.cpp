@@ -226,7 +226,7 @@ TEST_CASE("store locks: one empty file next to the store, never the target of a 
   CHECK(read_file(precious) == "kept");
 }
 
-TEST_CASE("store locks: use one descriptor while they exist, none after a failure") {
+TEST_CASE("store locks: use one descriptor while they exist, and no descriptor after a failure") {
   const LockedStore kept;
   const auto next_descriptor = [] {
     const int next = ::dup(STDERR_FILENO);
@@ -286,7 +286,7 @@ TEST_CASE("store locks: the lock file has the access rights and the owner of the
   CHECK((made.st_uid == 65534 && made.st_gid == 54321));
 }
 
-// Names that one process at a time holds, and who is at the other end of them.
+// Names that one process at a time holds, and the identification of the peer.
 
 namespace {
 
@@ -454,7 +454,7 @@ TEST_CASE("machine names: printed form, and names that are too long") {
     CHECK(shown_name("rig") == "@tactbench/rig");
     const Variable none("TACTBENCH_RUNTIME_DIR", "");
     CHECK(shown_name("rig") == "@tactbench/rig");
-    // 107 bytes beside the first, which is 0.
+    // 107 bytes after the first, which is 0.
     CHECK(MachineName(std::string(107 - 10, 'x')).held());
     CHECK_THAT(refusal_of([] { const MachineName name(std::string(108 - 10, 'x')); }),
                Catch::StartsWith("TB-BENCH-NAME"));

@@ -132,7 +132,7 @@ TEST_CASE(
   check_press_fault([&] { (void)bench::find_contact(nothing.axis, 10.0); }, "TB-PRESS-NO-CONTACT",
                     {"0.000", "14.000 mm", "0.1 N"});
   CHECK(nothing.stage.z_mm() == 14.0);
-  // What was touched once is gone: looked for up to 0.1 mm beyond, in steps.
+  // The object of the first touch is gone: it is searched up to 0.1 mm further, in steps.
   IdealBed gone(spring(20.0));
   int looks = 0;
   gone.force.law = [&looks](double z_mm) { return z_mm > 12.0 && ++looks <= 3 ? 0.4 : 0.0; };

@@ -102,7 +102,7 @@ TEST_CASE("press axis: any fault halts the stage once and is rethrown") {
   const auto beyond = devices::fault_of([&] { (void)bed.axis.move_to(13.0, 0.5); });
   REQUIRE(beyond);
   CHECK(beyond->id() == "TB-PRESS-FORCE-LIMIT");
-  CHECK_THAT(beyond->what(), Catch::Contains(fmt::format("{:.3f} mm", bed.stage.z_mm())));  // where it really stands
+  CHECK_THAT(beyond->what(), Catch::Contains(fmt::format("{:.3f} mm", bed.stage.z_mm())));  // its true position
   CHECK(bed.axis.z_mm() == bed.stage.z_mm());
   CHECK(bed.stage.halts == 1);
   CHECK(bed.stage.z_mm() < 12.6);

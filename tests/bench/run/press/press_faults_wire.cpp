@@ -26,7 +26,7 @@ TEST_CASE("press: the force limit halts the stage during a move") {
   CHECK(fault_id_of([&] { (void)rig.go(11.0, Branch::kLoading); }) == "TB-PRESS-FORCE-LIMIT");
   CHECK(rig.stage.halts == before + 1);
   CHECK(rig.stands());
-  // What the preflight computes for the greatest stiffness is not passed.
+  // The force that the preflight computes for the greatest stiffness is not exceeded.
   double max_force_n = 0.0;
   for (const bench::ForceSample& sample : rig.samples) max_force_n = std::max(max_force_n, sample.force_n);
   CHECK(max_force_n <= 12.0 + 100.0 * options.servo_mm_per_s * 2.0 * options.poll_interval_s);
@@ -42,7 +42,7 @@ TEST_CASE("press: a silent sensor, an unplugged stage and a stop request leave t
     CHECK(rig.stands());
     const bench::RetractProof proof = rig.press->retract();
     INFO(proof.text);
-    CHECK_FALSE(proof.verified);  // z is clear, and nobody says that no force stands
+    CHECK_FALSE(proof.verified);  // z is clear, but no reading shows that there is no force
     CHECK_FALSE(proof.force_n);
     REQUIRE(proof.z_mm);
     CHECK(*proof.z_mm == Approx(10.0).margin(1e-3));

@@ -1,4 +1,4 @@
-// What a press plan is refused for, before anything moves: each limit at its edge and beyond it.
+// Refusals of a press plan before any motion: each limit at its edge and beyond it.
 #include "bench/run/press/press_preflight.h"
 
 #include <catch2/catch.hpp>

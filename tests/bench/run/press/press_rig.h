@@ -129,7 +129,7 @@ struct PressRig {
   }
   std::uint64_t exchanges() const { return stage.exchanges() + force->exchanges(); }
   double z_mm() const { return zaber.chain.position(devices::Axis::kZ).value(); }
-  // Whether z really stands: it is where it was a second later.
+  // Whether z is at rest: its position is unchanged a second later.
   bool stands() {
     const double before = z_mm();
     zaber.clock.wait_until(zaber.clock.now() + std::chrono::seconds(1));

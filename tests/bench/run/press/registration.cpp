@@ -27,7 +27,7 @@ struct Mount {
   bool flipped = false;
 };
 
-// Where the stage stands over taxel coordinates `at`.
+// Stage position over taxel coordinates `at`.
 Touch place(const Mount& mount, double taxel_x_mm, double taxel_y_mm) {
   const double angle = mount.angle_deg * std::numbers::pi / 180.0;
   const double x = mount.scale * taxel_x_mm;

@@ -1,4 +1,4 @@
-// What a stored run lost, frame by frame: which interruptions lie before a frame, and how much of the gap they are.
+// Lost time of a stored run, frame by frame: which interruptions are before a frame, and how much of the gap they are.
 #include "bench/run/watch/lost_time.h"
 
 #include <catch2/catch.hpp>

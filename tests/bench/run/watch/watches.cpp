@@ -183,11 +183,11 @@ TEST_CASE("stuck rows: judged from the least load on, a change of one taxel in o
   const StuckRows low = watch.see(scans_with(3, 2, now), 7.5, 1.0);
   CHECK(low.rows == std::vector<int>{1, 2});
   CHECK(low.all);
-  CHECK(watch.see(scans_with(3, 2, now), 4.0, 1.0).rows == std::vector<int>{1, 2});  // less load tells as well
+  CHECK(watch.see(scans_with(3, 2, now), 4.0, 1.0).rows == std::vector<int>{1, 2});  // less load also shows it
   now[0] = 1;
   CHECK(watch.see(scans_with(3, 2, now), 9.0, 1.0).rows == std::vector<int>{1, 2});
   CHECK(watch.see(scans_with(3, 2, now), 10.0, 1.0).rows == std::vector<int>{0, 1, 2});
-  // Another shape begins anew.
+  // Another shape starts again.
   CHECK(watch.see(scans_with(2, 3, now), 20.0, 1.0).rows.empty());
   CHECK(watch.see(scans_with(2, 3, now), 21.0, 1.0).rows == std::vector<int>{0, 1});
   CHECK(watch.see(scans_with(2, 3, {1, 2, 3, 4, 5, 6}), 30.0, 1.0).rows.empty());
