@@ -10,6 +10,14 @@ const BuildInfo& build_info() {
   return info;
 }
 
+const char* processor_class() {
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx512vl")) return "avx512";
+  if (__builtin_cpu_supports("avx2")) return "avx2";
+#endif
+  return "base";
+}
+
 std::string commit_text() { return build_info().commit + (build_info().modified ? ", modified" : ""); }
 
 }  // namespace tactbench::bench

@@ -15,6 +15,8 @@ struct BuildInfo {
 };
 
 const BuildInfo& build_info();
+// "base", "avx2" or "avx512": recomputed results are promised to be equal bit for bit within one of these.
+const char* processor_class();
 std::string commit_text();  // "f2d3ce0bd123", or "f2d3ce0bd123, modified"
 
 }  // namespace tactbench::bench

@@ -6,7 +6,6 @@
 #include <filesystem>
 
 #include "analysis/identify/dynamic/dynamic_fit.h"
-#include "analysis/identify/elam/lanes.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/report/gather.h"
 #include "analysis/statistics/figures/evaluation.h"
@@ -25,8 +24,7 @@
 namespace tactbench::bench {
 
 std::string this_build() {
-  return fmt::format("commit {}; {}; {}", commit_text(), build_info().build,
-                     analysis::to_string(analysis::best_dispatch()));
+  return fmt::format("commit {}; {}; {}", commit_text(), build_info().build, processor_class());
 }
 
 std::int64_t keep_fit(db::RunStore& store, const analysis::SensorModel& fit) {

@@ -93,7 +93,7 @@ PROGRAM_ITSELF = [
     ("A change of stored data is noticed", ["content check: one changed byte anywhere in the file is detected, or does not change the content",
                                             "content hash: header and frames have the hashes that another program computed"]),
     ("A resumed run is the run that it would have been", ["content hash: a run continued by another process has the hash of one written in one go"]),
-    ("A fit is the same on every machine of a class", ["ELAM search: the fit has equal bits at every vector level"]),
+    ("A fit is the same on every machine of a class", ["ELAM lanes: match the scalar model, with equal bits whatever slopes are asked for and whichever the lane"]),
     ("U covers what it says", ["U covers 92 to 98.5 % of readings of the harsh specimen, for each kind of history that it is stated for",
                                "U of a reading: agrees with Monte Carlo if the inverse is linear, and is marked if it is not"]),
     ("A verdict rests on independent data that count", ["verdicts: void runs, runs of the models and runs named twice are rejected by every verb",

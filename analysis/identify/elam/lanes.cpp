@@ -1,117 +1,234 @@
 #include "analysis/identify/elam/lanes.h"
 
 #include <algorithm>
-#include <array>
-#include <atomic>
 #include <cmath>
-#include <cstddef>
-#include <cstdlib>
 #include <limits>
-#include <stdexcept>
-#include <string>
+
+#include "analysis/identify/vector_lanes.h"
 
 // Vectors wider than the base's registers are passed between always-inlined functions only.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpsabi"
-#include "analysis/identify/elam/lanes_kernel.h"
 
 namespace tactbench::analysis {
 namespace {
 
-using Descending = void (*)(const LaneProblem&, const double*, std::size_t, double*, double*);
-using Ascending = void (*)(AscendingLanes&, std::size_t, Gradient);
-
-template <int N>
-TACTBENCH_INLINE void descending(const LaneProblem& p, const double* alpha, std::size_t count, double* j,
-                                 double* beta) {
-  if (p.table.uniform())
-    kernel::descending<N, true>(p, alpha, count, j, beta);
-  else
-    kernel::descending<N, false>(p, alpha, count, j, beta);
+// Start and rise of the segment that holds u, and how far into it u lies (in segments). `per` is 1 / width.
+template <bool kUniform>
+TACTBENCH_INLINE void look_up(const LaneTable& table, const double* rows, const Lanes& u, Lanes& start, Lanes& rise,
+                              Lanes& part, Lanes& per) {
+  if constexpr (kUniform) {
+    const auto index = __builtin_convertvector(u, LaneIndex);  // rounding beyond the range: 0, or xu's
+    part = u - __builtin_convertvector(index, Lanes);
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      start[k] = rows[2 * index[k]];
+      rise[k] = rows[2 * index[k] + 1];
+    }
+  } else {
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      const std::size_t i = table.segment(u[k]);
+      start[k] = rows[2 * i];
+      rise[k] = rows[2 * i + 1];
+      per[k] = table.places()[2 * i + 1];
+      part[k] = (u[k] - table.places()[2 * i]) * per[k];
+    }
+  }
 }
 
-template <int N, bool kUniform>
-TACTBENCH_INLINE void ascending_on(AscendingLanes& lanes, std::size_t count, Gradient gradient) {
+TACTBENCH_INLINE void bounds(const Lanes& values, double& low, double& high) {
+  low = high = values[0];
+  for (std::size_t k = 1; k < kLanes; ++k) {
+    low = values[k] < low ? values[k] : low;
+    high = values[k] > high ? values[k] : high;
+  }
+}
+
+template <bool kUniform>
+TACTBENCH_INLINE void descending_on(const LaneProblem& p, const double* alphas, std::size_t count, double* js,
+                                    double* betas) {
+  const Lanes zero{}, one = zero + 1.0;
+  const double* rows = p.table.rows();
+  const double nothing = 1e-12 * (p.xu - p.x0);
+  for (std::size_t at = 0; at < count; at += kLanes) {
+    Lanes alpha;
+    load(alpha, alphas + at);
+    Lanes rr = zero + p.constant, gr = zero, gg = zero;  // of residuals at beta_d = 1 and their slopes
+    for (const LaneCurve& curve : p.curves) {
+      const Lanes xs = p.x0 + alpha * (curve.x_turn - p.x0);  // (14)
+      Lanes start, rise, part, per = one;
+      look_up<kUniform>(p.table, rows, xs, start, rise, part, per);
+      const Lanes ysp = start + rise * part;
+      const Lanes right_x = curve.x_turn - xs, left_x = xs - p.x0, right_y = p.yu - ysp, left_y = ysp - p.y0;
+      const auto right_flat = right_y <= p.smallest_rise, left_flat = left_y <= p.smallest_rise;
+      const Lanes by_right_x = 1.0 / (right_x > nothing ? right_x : zero + nothing);
+      const Lanes by_left_x = 1.0 / (left_x > nothing ? left_x : zero + nothing);
+      const Lanes by_right_y = 1.0 / (right_flat ? one : right_y), by_left_y = 1.0 / (left_flat ? one : left_y);
+      const Lanes stretch = (p.xu - xs) * by_right_x;
+      double low = 0.0, high = 0.0;
+      bounds(xs, low, high);
+      for (std::size_t i = curve.first; i < curve.end; ++i) {
+        const double x = p.x[i], weight = p.weight[i];
+        Lanes slope = zero, residual = zero;
+        if (x < high) {  // left of the split in some lane, Eqs (18), (19)
+          slope = curve.rise * (left_flat ? (x - p.x0) * by_left_x : p.pattern[i] * by_left_y);
+          residual = (p.y[i] - p.y0) - slope;
+        }
+        if (x >= low) {  // Eqs (16), (17): flat at y_turn for beta_d = 1
+          const auto right = xs <= x;
+          const Lanes off = right ? x - xs : zero;  // a lane left of the split must read a valid entry, too
+          look_up<kUniform>(p.table, rows, xs + stretch * off, start, rise, part, per);
+          const Lanes share = right_flat ? off * by_right_x : (start + rise * part - ysp) * by_right_y;
+          slope = right ? curve.rise * (1.0 - share) : slope;
+          residual = right ? zero + (p.y[i] - curve.y_turn) : residual;
+        }
+        const Lanes weighted = weight * slope;
+        rr += weight * residual * residual;
+        gr += weighted * residual;
+        gg += weighted * slope;
+      }
+    }
+    Lanes step = gr / (gg > 0.0 ? gg : one);  // of beta_d, from 1
+    step = step < 0.0 ? step : zero;
+    step = step > -1.0 ? step : zero - 1.0;
+    const Lanes j = rr + step * (gg * step - 2.0 * gr);
+    store(js + at, j);
+    store(betas + at, Lanes(1.0 + step));
+  }
+}
+
+template <bool kUniform, Gradient kGradient>
+TACTBENCH_INLINE void ascending_on(AscendingLanes& lanes, std::size_t count) {
+  const LaneProblem& p = *lanes.problem;
+  const Lanes zero{}, one = zero + 1.0;
+  const double* rows = p.table.rows();
+  const double nothing = 1e-12 * (p.xu - p.x0);
+  for (std::size_t at = 0; at < count; at += kLanes) {
+    Lanes u, v, j = zero + p.constant;
+    load(u, &lanes.u[at]);
+    load(v, &lanes.v[at]);
+    Lanes normal[6] = {zero, zero, zero, zero, zero, zero}, right[3] = {zero, zero, zero};
+    std::size_t from = at;  // in splits and by_beta, which are empty where there are no curves
+    for (const LaneCurve& curve : p.curves) {
+      Lanes split, by_beta;
+      load(split, lanes.splits.data() + from);
+      load(by_beta, lanes.by_beta.data() + from);
+      from += lanes.stride;
+      const Lanes xs = curve.x_turn + (u + (v - u) * curve.share) * curve.length;  // (21)
+      const Lanes left_x = xs - curve.x_turn, right_x = p.xu - xs;
+      const Lanes by_left = 1.0 / (left_x > nothing ? left_x : zero + nothing);
+      const Lanes by_right = 1.0 / (right_x > nothing ? right_x : zero + nothing);
+      const Lanes left_stretch = (split - curve.x_pattern) * by_left, right_stretch = (p.xu - split) * by_right;
+      double low = 0.0, high = 0.0;
+      bounds(xs, low, high);
+      // Sums of weight x (dy/dsplit)^2 and weight x residual x dy/dsplit, on either side of the split; dy/dxs is
+      // -stretch x dy/dsplit.
+      Lanes left_qq = zero, left_rq = zero, right_qq = zero, right_rq = zero;
+      for (std::size_t i = curve.first; i < curve.end; ++i) {
+        const double x = p.x[i], weight = p.weight[i];
+        Lanes start = zero, rise = zero, part = zero, per = one, pattern = zero, inside = zero;
+        const double off = x - curve.x_turn;
+        if (x <= low) {  // left of the split in all lanes, Eqs (25), (26)
+          pattern = curve.x_pattern + left_stretch * off;
+          if constexpr (kGradient != Gradient::kNone) inside = off * by_left;
+        } else if (x > high) {  // Eqs (23), (24)
+          pattern = split + right_stretch * (x - xs);
+          if constexpr (kGradient != Gradient::kNone) inside = 1.0 - (x - xs) * by_right;
+        } else {
+          const auto left = xs >= x;
+          pattern = left ? curve.x_pattern + left_stretch * off : split + right_stretch * (x - xs);
+          if constexpr (kGradient != Gradient::kNone) inside = left ? off * by_left : 1.0 - (x - xs) * by_right;
+        }
+        look_up<kUniform>(p.table, rows, pattern, start, rise, part, per);
+        const Lanes residual = p.y[i] - (start + rise * part);
+        const Lanes weighted = weight * residual;
+        j += weighted * residual;
+        if constexpr (kGradient != Gradient::kNone) {
+          const Lanes q = (kUniform ? rise : rise * per) * inside;
+          const Lanes qq = weight * q * q, rq = weighted * q;
+          if (x <= low) {
+            left_qq += qq;
+            left_rq += rq;
+          } else if (x > high) {
+            right_qq += qq;
+            right_rq += rq;
+          } else {
+            const auto left = xs >= x;
+            left_qq += left ? qq : zero;
+            left_rq += left ? rq : zero;
+            right_qq += left ? zero : qq;
+            right_rq += left ? zero : rq;
+          }
+        }
+      }
+      if constexpr (kGradient != Gradient::kNone) {
+        const double by_u = curve.length * (1.0 - curve.share), by_v = curve.length * curve.share;
+        const Lanes ll = left_stretch * left_stretch * left_qq + right_stretch * right_stretch * right_qq;
+        const Lanes l = -(left_stretch * left_rq + right_stretch * right_rq);
+        normal[0] += ll * (by_u * by_u);
+        normal[1] += ll * (by_u * by_v);
+        normal[2] += ll * (by_v * by_v);
+        right[0] += l * by_u;
+        right[1] += l * by_v;
+        if constexpr (kGradient == Gradient::kSpace) {
+          const Lanes ls = -(left_stretch * left_qq + right_stretch * right_qq) * by_beta;
+          normal[3] += ls * by_u;
+          normal[4] += ls * by_v;
+          normal[5] += (left_qq + right_qq) * by_beta * by_beta;
+          right[2] += (left_rq + right_rq) * by_beta;
+        }
+      }
+    }
+    store(&lanes.j[at], j);
+    if constexpr (kGradient != Gradient::kNone) {
+      constexpr int kNormal = kGradient == Gradient::kSpace ? 6 : 3, kRight = kGradient == Gradient::kSpace ? 3 : 2;
+      for (int k = 0; k < kNormal; ++k) store(&lanes.normal[static_cast<std::size_t>(k)][at], normal[k]);
+      for (int k = 0; k < kRight; ++k) store(&lanes.right[static_cast<std::size_t>(k)][at], right[k]);
+    }
+  }
+}
+
+template <bool kUniform>
+TACTBENCH_INLINE void ascending_by(AscendingLanes& lanes, std::size_t count, Gradient gradient) {
   switch (gradient) {
     case Gradient::kNone:
-      return kernel::ascending<N, kUniform, Gradient::kNone>(lanes, count);
+      return ascending_on<kUniform, Gradient::kNone>(lanes, count);
     case Gradient::kPlane:
-      return kernel::ascending<N, kUniform, Gradient::kPlane>(lanes, count);
+      return ascending_on<kUniform, Gradient::kPlane>(lanes, count);
     case Gradient::kSpace:
-      return kernel::ascending<N, kUniform, Gradient::kSpace>(lanes, count);
+      return ascending_on<kUniform, Gradient::kSpace>(lanes, count);
   }
 }
 
-template <int N>
-TACTBENCH_INLINE void ascending(AscendingLanes& lanes, std::size_t count, Gradient gradient) {
-  if (lanes.problem->table.uniform())
-    ascending_on<N, true>(lanes, count, gradient);
+TACTBENCH_CLONES void descending(const LaneProblem& p, const double* alpha, std::size_t count, double* j,
+                                 double* beta) {
+  if (p.table.uniform())
+    descending_on<true>(p, alpha, count, j, beta);
   else
-    ascending_on<N, false>(lanes, count, gradient);
+    descending_on<false>(p, alpha, count, j, beta);
 }
 
-// An attribute and names cannot stand in parentheses. NOLINTBEGIN(bugprone-macro-parentheses)
-#define TACTBENCH_LEVEL(name, lanes_of_level, target)                                                    \
-  target void descending_##name(const LaneProblem& p, const double* alpha, std::size_t count, double* j, \
-                                double* beta) {                                                          \
-    descending<lanes_of_level>(p, alpha, count, j, beta);                                                \
-  }                                                                                                      \
-  target void ascending_##name(AscendingLanes& lanes, std::size_t count, Gradient gradient) {            \
-    ascending<lanes_of_level>(lanes, count, gradient);                                                   \
-  }
-// NOLINTEND(bugprone-macro-parentheses)
-
-TACTBENCH_LEVEL(base, 2, )
-#if defined(__x86_64__)
-TACTBENCH_LEVEL(avx2, 4, __attribute__((target("avx2"))))
-TACTBENCH_LEVEL(avx512, 8, __attribute__((target("avx512f,avx512dq,avx512vl"))))
-constexpr std::array<Descending, 3> kDescending{descending_base, descending_avx2, descending_avx512};
-constexpr std::array<Ascending, 3> kAscending{ascending_base, ascending_avx2, ascending_avx512};
-#else
-constexpr std::array<Descending, 3> kDescending{descending_base, descending_base, descending_base};
-constexpr std::array<Ascending, 3> kAscending{ascending_base, ascending_base, ascending_base};
-#endif
-#undef TACTBENCH_LEVEL
-
-Dispatch chosen() {
-  const char* name = std::getenv("TACTBENCH_LANES");  // read once, before any thread of ours
-  for (const Dispatch dispatch : dispatches())
-    if (name != nullptr && std::string(name) == to_string(dispatch)) return dispatch;
-  return best_dispatch();
+TACTBENCH_CLONES void ascending(AscendingLanes& lanes, std::size_t count, Gradient gradient) {
+  if (lanes.problem->table.uniform())
+    ascending_by<true>(lanes, count, gradient);
+  else
+    ascending_by<false>(lanes, count, gradient);
 }
-
-std::atomic<int> forced{-1};
 
 }  // namespace
 #pragma GCC diagnostic pop
 
-Dispatch lane_dispatch() {
-  const int dispatch = forced.load(std::memory_order_relaxed);
-  if (dispatch >= 0) return static_cast<Dispatch>(dispatch);
-  static const Dispatch own = chosen();
-  return own;
-}
-
-void force_lane_dispatch(Dispatch dispatch) {
-  if (std::ranges::find(dispatches(), dispatch) == dispatches().end())
-    throw std::invalid_argument(std::string("this processor does not have the lanes of ") + to_string(dispatch));
-  forced = static_cast<int>(dispatch);
-}
-
-void unforce_lane_dispatch() { forced = -1; }
-
 void lane_descending(const LaneProblem& problem, std::span<const double> alpha, std::span<double> j,
                      std::span<double> beta) {
-  kDescending[static_cast<std::size_t>(lane_dispatch())](problem, alpha.data(), alpha.size(), j.data(), beta.data());
+  descending(problem, alpha.data(), alpha.size(), j.data(), beta.data());
 }
 
 void lane_ascending(AscendingLanes& lanes, std::size_t count, Gradient gradient) {
-  kAscending[static_cast<std::size_t>(lane_dispatch())](lanes, (count + 7) / 8 * 8, gradient);
+  ascending(lanes, (count + kLanes - 1) / kLanes * kLanes, gradient);
 }
 
 namespace {
 
-constexpr double kUniform = 1e-10;  // of a step: how far a knot of a uniform grid may be off
+constexpr double kSameStep = 1e-10;  // of a step: how far a knot of a uniform grid may be off
 constexpr std::size_t kParts = 64;
 
 std::vector<std::size_t> first_segments(const std::vector<double>& knots) {
@@ -134,7 +251,7 @@ LaneTable::LaneTable(const PatternCurve& curve)
   x0_ = knots_.front();
   per_x_ = steps / (knots_.back() - x0_);
   for (std::size_t i = 0; i < knots_.size(); ++i)
-    uniform_ = uniform_ && std::abs((knots_[i] - x0_) * per_x_ - static_cast<double>(i)) < kUniform;
+    uniform_ = uniform_ && std::abs((knots_[i] - x0_) * per_x_ - static_cast<double>(i)) < kSameStep;
   if (uniform_)
     for (std::size_t i = 0; i < knots_.size(); ++i) knots_[i] = static_cast<double>(i);
   else
@@ -237,34 +354,5 @@ void AscendingLanes::split(std::size_t i) {
     by_beta[c * stride + i] = place.by_y * curve.rise;
   }
 }
-
-namespace {
-
-std::size_t dispatches_here() {
-#if defined(__x86_64__)
-  if (!__builtin_cpu_supports("avx2")) return 1;
-  // All instruction sets used by a version are checked; no known processor has only some of them.
-  const bool avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-                      __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl");
-  return avx512 ? 3 : 2;
-#else
-  return 1;
-#endif
-}
-
-}  // namespace
-
-const char* to_string(Dispatch dispatch) {
-  constexpr std::array kNames{"base", "avx2", "avx512"};
-  return kNames[static_cast<std::size_t>(dispatch)];
-}
-
-std::span<const Dispatch> dispatches() {
-  static constexpr std::array kAll{Dispatch::kBase, Dispatch::kAvx2, Dispatch::kAvx512};
-  static const std::size_t count = dispatches_here();
-  return std::span(kAll).first(count);
-}
-
-Dispatch best_dispatch() { return dispatches().back(); }
 
 }  // namespace tactbench::analysis

@@ -1,7 +1,5 @@
-// J of many candidates of one taxel at a time, in vector lanes: what the searches of identification spend their time
-// in. Every dispatch does the same double operations in the same order without fused multiply-adds, so that a lane's
-// result is the same bit for bit on every one of them, however candidates are grouped. The last polish runs in lanes
-// too, so that results do not depend on the dispatch.
+// J of many candidates of one taxel at a time, in vector lanes (vector_lanes.h): what the searches of identification
+// spend their time in. The last polish runs in lanes, too.
 #pragma once
 
 #include <array>
@@ -12,29 +10,13 @@
 #include "analysis/identify/elam/elam_samples.h"
 #include "analysis/models/elam.h"
 
-// Selects the vector level of code that exists in several versions: frames of the compensator, lanes of identification.
-// Results are bit-identical at every level.
-
 namespace tactbench::analysis {
-
-enum class Dispatch { kBase, kAvx2, kAvx512 };  // vectors of 16, 32, 64 bytes
-
-const char* to_string(Dispatch dispatch);  // base, avx2, avx512
-std::span<const Dispatch> dispatches();    // that this processor has, lowest first; kBase always
-[[nodiscard]] Dispatch best_dispatch();    // the last of them
-
-// Of 2, 4 or 8 lanes. The best one, or the one that TACTBENCH_LANES names (one that the processor lacks is ignored), or
-// the one that was forced.
-Dispatch lane_dispatch();
-void force_lane_dispatch(Dispatch dispatch);  // for tests; std::invalid_argument when the processor lacks it
-void unforce_lane_dispatch();
 
 // A pattern curve as a look-up. Inputs are in its own units: grid steps from x0 where the grid is uniform.
 class LaneTable {
  public:
   explicit LaneTable(const PatternCurve& curve);
   [[nodiscard]] double unit(double x) const { return uniform_ ? (x - x0_) * per_x_ : x; }
-  [[nodiscard]] double back(double u) const { return uniform_ ? x0_ + u / per_x_ : u; }
   [[nodiscard]] double value(double u) const;
   struct Place {
     double u, by_y;  // by_y: du/dy

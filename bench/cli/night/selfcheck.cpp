@@ -7,7 +7,6 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "analysis/identify/elam/lanes.h"
 #include "analysis/json_fields.h"
 #include "analysis/json_io.h"
 #include "bench/cli/session.h"
@@ -33,7 +32,7 @@ ordered_json selfcheck_record() {
                          {"git_commit", build_info().commit},
                          {"modified", build_info().modified},
                          {"build", build_info().build},
-                         {"identification_lanes", analysis::to_string(analysis::lane_dispatch())},
+                         {"identification_lanes", processor_class()},
                          {"shipped_files", share_folder()}};
   for (const auto& [name, version] : library_versions()) record["libraries"][name] = version;
   const ScratchFolder folder("tactbench-selfcheck");

@@ -1,12 +1,11 @@
-// Identification: ELAM of a taxel in units of one plain J over its 660 samples, by vector level; an array from the
-// store to its parameters; threads; growth; the genetic search of the paper; the dynamic model of an array.
+// Identification: ELAM of a taxel in units of one plain J over its 660 samples; an array from the store to
+// its parameters; threads; growth; the genetic search of the paper; the dynamic model of an array.
 #include "analysis/identify/elam/identify.h"
 
 #include <benchmark/benchmark.h>
 
 #include "analysis/identify/dynamic/dynamic_fit.h"
 #include "analysis/identify/elam/genetic.h"
-#include "analysis/identify/elam/lanes.h"
 #include "analysis/identify/fit_models.h"
 #include "analysis/identify/histories.h"
 #include "analysis/identify/sensor_model.h"
@@ -81,32 +80,23 @@ void elam_plain_j(benchmark::State& state) {
 }
 BENCHMARK(elam_plain_j)->Name("identify/evaluate_j")->Unit(benchmark::kMicrosecond);
 
-void elam(benchmark::State& state, Dispatch level) {
+void elam(benchmark::State& state) {
   (void)taxels();
-  force_lane_dispatch(level);
   for (auto _ : state)
     for (const Taxel& taxel : taxels()) benchmark::DoNotOptimize(taxel.fit().j_v2);
-  unforce_lane_dispatch();
   per_taxel(state, taxels().size());
 }
+BENCHMARK(elam)->Name("identify/elam")->Unit(benchmark::kMicrosecond);
 
-const bool registered = [] {
-  for (const Dispatch level : dispatches()) {
-    const std::string word = to_string(level), name = "identify/elam_" + word;
-    benchmark::RegisterBenchmark(name.c_str(), elam, level)->Unit(benchmark::kMicrosecond);
-    declare({{"identify_elam_" + word + "_over_evaluate_j",
-              name,
-              {"identify/evaluate_j"},
-              level == Dispatch::kBase ? 100.0 : 50.0}});
-  }
-  return declare({{"identify_genetic_time_over_exact", "identify/few_taxels_genetic", {"identify/few_taxels_exact"}},
-                  {"identify_array_over_minimum",
-                   "identify/read_and_fit_elam",
-                   {"identify/read_frames", "identify/fit_elam_of_stored_frames"},
-                   1.5},
-                  {"identify_two_threads_speedup", "identify/fit_array/16/1", {"identify/fit_array/16/2"}, 0.0, 1.7},
-                  {"identify_growth_64_over_16", "identify/fit_array/64/1", {"identify/fit_array/16/1"}}});
-}();
+const bool registered =
+    declare({{"identify_elam_over_evaluate_j", "identify/elam", {"identify/evaluate_j"}, 100.0},
+             {"identify_genetic_time_over_exact", "identify/few_taxels_genetic", {"identify/few_taxels_exact"}},
+             {"identify_array_over_minimum",
+              "identify/read_and_fit_elam",
+              {"identify/read_frames", "identify/fit_elam_of_stored_frames"},
+              1.5},
+             {"identify_two_threads_speedup", "identify/fit_array/16/1", {"identify/fit_array/16/2"}, 0.0, 1.7},
+             {"identify_growth_64_over_16", "identify/fit_array/64/1", {"identify/fit_array/16/1"}}});
 
 void few(benchmark::State& state, bool genetic) {
   if (genetic && !has_genetic()) return state.SkipWithError("this build has no genetic search");

@@ -1,9 +1,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstring>
-#include <fstream>
 #include <random>
-#include <string>
 
 #include "analysis/identify/elam/identify.h"
 #include "analysis/identify/elam/lanes.h"
@@ -75,72 +73,51 @@ double plain_j(const ElamModel& model, std::span<const CurveSamples> curves, boo
   return j;
 }
 
-struct Unforce {
-  ~Unforce() { unforce_lane_dispatch(); }
-};
-
 }  // namespace
 
-TEST_CASE("ELAM lanes: match the scalar model, with equal bits at every vector level") {
-  const Unforce unforce;
+TEST_CASE("ELAM lanes: match the scalar model, with equal bits whatever slopes are asked for and whichever the lane") {
   for (const bool uniform : {true, false}) {
     for (const double top : {9.0, 2.9}) {
       Example e = lanes_example(uniform, top);
       const LaneProblem down = lane_problem(e.model, e.samples.descending, false);
       const LaneProblem up = lane_problem(e.model, e.samples.ascending, true);
       CHECK(up.table.uniform() == uniform);
-      std::vector<Answers> answers;
-      for (const Dispatch level : dispatches()) {
-        force_lane_dispatch(level);
-        CHECK(lane_dispatch() == level);
-        Answers& own = answers.emplace_back(up);
-        lane_descending(down, own.alpha, own.descending, own.beta);
-        lane_ascending(own.lanes, kCandidates, Gradient::kNone);
-        const std::vector<double> j = own.lanes.j;
-        lane_ascending(own.lanes, kCandidates, Gradient::kPlane);
-        CHECK(same_bits(own.lanes.j, j));
-        const std::vector<double> plane = own.lanes.normal[1];
-        lane_ascending(own.lanes, kCandidates, Gradient::kSpace);
-        CHECK(same_bits(own.lanes.j, j));
-        CHECK(same_bits(own.lanes.normal[1], plane));
-        INFO(to_string(level));
-        const Answers& base = answers.front();
-        CHECK(same_bits(own.descending, base.descending));
-        CHECK(same_bits(own.beta, base.beta));
-        CHECK(same_bits(own.lanes.j, base.lanes.j));
-        for (std::size_t k = 0; k < 6; ++k) CHECK(same_bits(own.lanes.normal[k], base.lanes.normal[k]));
-        for (std::size_t k = 0; k < 3; ++k) CHECK(same_bits(own.lanes.right[k], base.lanes.right[k]));
-      }
-      const Answers& base = answers.front();
+      Answers own(up);
+      lane_descending(down, own.alpha, own.descending, own.beta);
+      lane_ascending(own.lanes, kCandidates, Gradient::kNone);
+      const std::vector<double> j = own.lanes.j;
+      lane_ascending(own.lanes, kCandidates, Gradient::kPlane);
+      CHECK(same_bits(own.lanes.j, j));
+      const std::vector<double> plane = own.lanes.normal[1];
+      lane_ascending(own.lanes, kCandidates, Gradient::kSpace);
+      CHECK(same_bits(own.lanes.j, j));
+      CHECK(same_bits(own.lanes.normal[1], plane));
       for (std::size_t i = 0; i < kCandidates; ++i) {
         ElamParameters& p = e.model.parameters;
-        p = {base.alpha[i], base.beta[i], (base.lanes.v[i] - base.lanes.u[i]) / 60.0, base.lanes.u[i],
-             base.lanes.beta[i]};
+        p = {own.alpha[i], own.beta[i], (own.lanes.v[i] - own.lanes.u[i]) / 60.0, own.lanes.u[i], own.lanes.beta[i]};
         INFO("candidate " << i);
-        const double j = plain_j(e.model, e.samples.descending, false);
-        CHECK(base.descending[i] == Approx(j).epsilon(1e-9).margin(1e-12));
-        CHECK(base.lanes.j[i] == Approx(plain_j(e.model, e.samples.ascending, true)).epsilon(1e-9));
+        const double plain = plain_j(e.model, e.samples.descending, false);
+        CHECK(own.descending[i] == Approx(plain).epsilon(1e-9).margin(1e-12));
+        CHECK(own.lanes.j[i] == Approx(plain_j(e.model, e.samples.ascending, true)).epsilon(1e-9));
         for (const double off : {-1e-3, 1e-3}) {  // beta_d is the best one
-          p.beta_d = std::clamp(base.beta[i] + off, 0.0, 1.0);
-          CHECK(plain_j(e.model, e.samples.descending, false) >= j * (1.0 - 1e-12));
+          p.beta_d = std::clamp(own.beta[i] + off, 0.0, 1.0);
+          CHECK(plain_j(e.model, e.samples.descending, false) >= plain * (1.0 - 1e-12));
         }
       }
-    }
-  }
-}
-
-TEST_CASE("ELAM search: the fit has equal bits at every vector level") {
-  const Unforce unforce;
-  for (const double top : {9.0, 2.9}) {
-    const Example e = lanes_example(true, top);
-    std::vector<ElamParameters> found;
-    for (const Dispatch level : dispatches()) {
-      force_lane_dispatch(level);
-      ElamModel model = e.model;
-      fit_descending(model, e.samples.descending);
-      fit_ascending(model, e.samples.ascending);
-      found.push_back(model.parameters);
-      CHECK(std::memcmp(&found.front(), &found.back(), sizeof(ElamParameters)) == 0);
+      // The candidates the other way round: each in another lane, beside others.
+      Answers turned = own;
+      std::ranges::reverse(turned.alpha);
+      for (std::vector<double>* list : {&turned.lanes.u, &turned.lanes.v, &turned.lanes.beta})
+        std::ranges::reverse(*list);
+      for (std::size_t i = 0; i < kCandidates; ++i) turned.lanes.split(i);
+      lane_descending(down, turned.alpha, turned.descending, turned.beta);
+      lane_ascending(turned.lanes, kCandidates, Gradient::kSpace);
+      for (std::vector<double>* list : {&turned.descending, &turned.beta, &turned.lanes.j, &turned.lanes.right[2]})
+        std::ranges::reverse(*list);
+      CHECK(same_bits(turned.descending, own.descending));
+      CHECK(same_bits(turned.beta, own.beta));
+      CHECK(same_bits(turned.lanes.j, own.lanes.j));
+      CHECK(same_bits(turned.lanes.right[2], own.lanes.right[2]));
     }
   }
 }
@@ -160,32 +137,3 @@ TEST_CASE("ELAM search: accepts no curves, a single sample, or a branch that sto
   one.y = {1.9};
   CHECK(fit_descending(e.model, std::span(&one, 1)) == Approx(0.0).margin(1e-9));
 }
-
-// The vector levels of the processor, by which identification computes.
-
-using namespace tactbench::analysis;
-
-TEST_CASE("vector levels: base is always available, and the processor's best one is used") {
-  CHECK(dispatches().front() == Dispatch::kBase);
-  CHECK(std::ranges::is_sorted(dispatches()));
-  CHECK(best_dispatch() == dispatches().back());
-  CHECK(to_string(Dispatch::kBase) == std::string("base"));
-  CHECK(to_string(Dispatch::kAvx2) == std::string("avx2"));
-  CHECK(to_string(Dispatch::kAvx512) == std::string("avx512"));
-}
-
-#if defined(__x86_64__)
-TEST_CASE("vector levels: match the CPU flags of the processor") {
-  std::ifstream file("/proc/cpuinfo");
-  std::string line, flags;
-  while (flags.empty() && std::getline(file, line))
-    if (line.starts_with("flags")) flags = line + ' ';
-  if (flags.empty()) {
-    WARN("the processor's flags cannot be read here: not checked");
-    return;
-  }
-  const auto has = [&](const std::string& flag) { return flags.find(' ' + flag + ' ') != std::string::npos; };
-  const bool avx512 = has("avx512f") && has("avx512dq") && has("avx512bw") && has("avx512vl");
-  CHECK(dispatches().size() == (!has("avx2") ? 1U : avx512 ? 3U : 2U));
-}
-#endif

@@ -8,11 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "analysis/identify/elam/lanes.h"
 #include "analysis/identify/fit_models.h"
 #include "analysis/identify/fit_samples.h"
+#include "analysis/identify/rivals/gpi_lanes.h"
 #include "analysis/identify/rivals/gpi_search.h"
-#include "analysis/identify/rivals/gpi_tree.h"
 #include "analysis/identify/rivals/nnls.h"
 #include "tests/analysis/identify/rivals/gpi_walked.h"
 #include "tests/analysis/support/fit_samples.h"
@@ -268,13 +267,9 @@ TEST_CASE("GPI tree: samples of random inputs are merged only where the play ope
   }
 }
 
-// GPI's search: its J is the walk's, the same on all vectors.
+// GPI's search: its J is the walk's.
 
 namespace {
-
-struct Unforced {
-  ~Unforced() { unforce_lane_dispatch(); }
-};
 
 double walked_share_of(const GpiPoint& point, const FitData& data) {
   const double x_span = data.ascending.x().back() - data.ascending.x().front();
@@ -325,17 +320,6 @@ TEST_CASE("GPI tree: J equals that of the model evaluated along the histories, a
       lanes.evaluate(target, false);
       CHECK(2.0 * slope[k] == Approx((lanes.j[0] - lanes.j[1]) / 2e-6).epsilon(1e-3).margin(1e-3 * lanes.j[0]));
     }
-  }
-}
-
-TEST_CASE("GPI: the fit has equal bits at every vector level") {
-  const Unforced unforced;
-  const FitData data = paper_data(kDescendingTurns, 0.03);
-  force_lane_dispatch(Dispatch::kBase);
-  const double j = identify("gpi", data, {.starts = 1}).j;
-  for (const Dispatch dispatch : dispatches()) {
-    force_lane_dispatch(dispatch);
-    CHECK(identify("gpi", data, {.starts = 1}).j == j);
   }
 }
 
