@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-#include "analysis/statistics/uncertainty/instrument_calibration.h"
+#include "analysis/statistics/uncertainty/instruments.h"
 #include "db/record.h"
 
 namespace tactbench::analysis {
@@ -16,7 +16,7 @@ namespace tactbench::analysis {
 inline constexpr int kRunSchemaVersion = 2;
 
 // Every key is always present. Empty texts: not known; `overrides` and `rest_s` are then null. Instruments'
-// calibrations are completed with `notes` (instrument_calibration.h); a value that still says FILL-IN counts as not
+// calibrations are completed with `notes` (instruments.h); a value that still says FILL-IN counts as not
 // stated. Recipes stand in the order of the run's sequences.
 nlohmann::ordered_json run_json(const db::RunRecord& run, std::span<const InstrumentNote> notes = {});
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "analysis/identify/elam/elam_samples.h"
+#include "analysis/identify/elam/elam.h"
 #include "analysis/identify/elam/genetic.h"
 #include "analysis/identify/fit_models.h"
 #include "analysis/models/elam_hysteresis.h"

@@ -12,7 +12,7 @@
 #include <stdexcept>
 
 #include "analysis/error.h"
-#include "analysis/identify/linearised_identifier.h"
+#include "analysis/identify/linearise.h"
 #include "analysis/identify/residuals.h"
 #include "analysis/identify/sensor_model.h"
 #include "analysis/models/all_models.h"

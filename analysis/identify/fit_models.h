@@ -42,7 +42,7 @@ struct IdentifyOptions {
   int cells = 30;   // Preisach: intervals of the input range
   bool by_input = false;  // Preisach: errors count as inputs, by the local slope, not as outputs
   // The model is one of the output with its readout divider inverted, if the congruency test shows its amplitude
-  // (linearised_identifier.h).
+  // (linearise.h).
   bool linearise = false;
 };
 

@@ -76,7 +76,7 @@ FitSamples::FitSamples(const FitData& data, bool one_way) {
   fitted = thinned(scored, kFittedSamples);
 }
 
-// As thin() in elam_samples.h: in step with no period of the data.
+// As thin() in elam.h: in step with no period of the data.
 std::vector<std::size_t> thinned(const std::vector<std::size_t>& samples, std::size_t most) {
   constexpr double kGolden = 0.6180339887498949;
   const double share = static_cast<double>(most) / static_cast<double>(samples.size());

@@ -1,18 +1,53 @@
 // Stored run or table -> what models are fitted on and scored on: per taxel, its histories in the order in which they
-// were measured.
+// were measured; which taxels can be modelled, and which were, the only place that decides dead, stuck and saturated;
+// and whether a sequence's first repeat is like the others.
 #pragma once
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "analysis/dataset.h"
 #include "analysis/identify/fit_models.h"
-#include "analysis/identify/taxel_status.h"
+#include "analysis/loop.h"
 #include "analysis/table.h"
 
 namespace tactbench::analysis {
+
+// Of histories kFitted says: can be fitted.
+enum class TaxelStatus { kFitted, kDead, kStuck, kSaturated, kUnfit, kConstant };
+const char* to_string(TaxelStatus status);  // fitted, dead, stuck, saturated, unfit, constant
+// False: `word` is none of these, `status` is as before.
+[[nodiscard]] bool status_from(std::string_view word, TaxelStatus& status);
+
+inline constexpr double kDeadV = 0.05;       // an output that spans less is dead (near 0 V) or stuck
+inline constexpr double kUnfitShare = 0.10;  // a mean error above this share of the taxel's full scale is unfit
+
+// Of one taxel's outputs as measured, before those of a falling sensor are negated: kSaturated (also one that stands at
+// the converter's limit for ever), kDead, kStuck, or kFitted. Dead: lowest and highest output are both nearer to 0 V
+// than `dead_v`.
+struct OutputRange {
+  double low = 0.0, high = 0.0;
+};
+TaxelStatus status_of(OutputRange outputs, bool at_limit, double dead_v = kDeadV);
+
+// Outputs of the mean of some taxels, moved to the set-points; the first repeat against the mean of the others.
+struct RepeatDrift {
+  std::string sequence;
+  double shift_v = 0.0;        // mean over the steps of first - others
+  double uncertainty_v = 0.0;  // standard deviation of such a shift, from the others among themselves
+  double rms_v = 0.0;          // root mean square over the steps of first - others
+  double others_rms_v = 0.0;   // the largest such value of another repeat against the rest of the others
+  bool differs = false;        // |shift| above 3 uncertainties, or rms above twice the others'
+};
+
+// One per sequence of three or more repeats at the pace of the first: with two none could say which one drifted. To
+// leave the first one out of a fit: RepeatOptions::first_repeat.
+std::vector<RepeatDrift> repeat_drifts(const Dataset& dataset, std::span<const std::size_t> taxels,
+                                       const RepeatOptions& options);
 
 inline constexpr double kBandInNoises = 6.0;  // dead band of compensation, in standard deviations of a sample
 

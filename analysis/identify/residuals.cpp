@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numeric>
 #include <stdexcept>
-#include <utility>
 
 #include "analysis/compensate/document.h"
 #include "analysis/identify/compensators.h"
 #include "analysis/identify/fit_samples.h"
 #include "analysis/models/interval.h"
+#include "analysis/models/linearised.h"
+#include "analysis/models/preisach.h"
 #include "analysis/workers.h"
 
 namespace tactbench::analysis {
@@ -21,14 +24,23 @@ constexpr int kStarts = 2;                    // of GPI's search: enough to tell
 // residual_by_level, on study seeds 2 to 5.
 constexpr double kNoTimes = 1.25;
 
-// ErrorSquares of a stream's errors over the shape.
-struct ErrorSquares {
-  double sum = 0.0, count = 0.0;
-  [[nodiscard]] double mean() const { return count > 0.0 ? sum / count : 0.0; }
-  void add(const ErrorSquares& other) {
-    sum += other.sum;
-    count += other.count;
+// Squares of what a stream leaves, by interval of the estimate: rising, then falling.
+struct Squares {
+  std::vector<double> sum, count;
+  explicit Squares(std::size_t intervals) : sum(2 * intervals, 0.0), count(2 * intervals, 0.0) {}
+  void add(std::size_t interval, bool rising, double error) {
+    const std::size_t at = rising ? interval : sum.size() / 2 + interval;
+    sum[at] += error * error;
+    count[at] += 1.0;
   }
+  void add(const Squares& other) {
+    for (std::size_t k = 0; k < sum.size(); ++k) {
+      sum[k] += other.sum[k];
+      count[k] += other.count[k];
+    }
+  }
+  [[nodiscard]] double samples() const { return std::reduce(count.begin(), count.end()); }
+  [[nodiscard]] double mean() const { return std::reduce(sum.begin(), sum.end()) / samples(); }
 };
 
 // Histories as measured that belong to what was fitted; of a run the last repeat of each sequence.
@@ -44,11 +56,14 @@ std::vector<const History*> chosen(const TaxelHistories& taxel, bool run, const 
   return out;
 }
 
-// Of all samples, and of those that `counts(h, i)`: sample i of history h.
-template <class Counts>
-std::pair<ErrorSquares, ErrorSquares> errors_of(const std::vector<const History*>& histories, const SensorModel& model,
-                                                const ModelTaxel& taxel, const Counts& counts) {
-  std::pair<ErrorSquares, ErrorSquares> errors;
+// Whether the errors of a sample count: sample i of fitted history, or sequence, h.
+using Counts = std::function<bool(std::size_t h, std::size_t i)>;
+bool all_count(std::size_t, std::size_t) { return true; }
+
+// The errors of a taxel's stream over the shape of its own model.
+Squares squares_of(const std::vector<const History*>& histories, const SensorModel& model, const ModelTaxel& taxel,
+                   const Counts& counts) {
+  Squares squares(1);
   try {
     const std::vector<double> shape = residual_by_level(taxel.ascending, taxel.descending, 1.0);
     const double low = taxel.x0(), span = taxel.xu() - low;
@@ -61,19 +76,70 @@ std::pair<ErrorSquares, ErrorSquares> errors_of(const std::vector<const History*
       stream->start(stream->at_rest(history.y.front()) ? Start::kAtRest : Start::kUnknown);
       for (std::size_t i = 0; i < history.x.size() && left > 0; ++i, --left) {
         const Compensated now = stream->step(history.y[i], 0.0);
-        if (now.unknown || now.held) continue;
+        if (now.unknown || now.held || !counts(h, i)) continue;
         const std::size_t at = interval_of((now.pressure_psi - low) / span * static_cast<double>(levels), levels);
-        const double error = (now.pressure_psi - history.x[i]) / shape[stream->ascending() ? at : levels + at];
-        errors.first.add({error * error, 1.0});
-        if (counts(h, i)) errors.second.add({error * error, 1.0});
+        const bool rising = stream->ascending();
+        squares.add(0, rising, (now.pressure_psi - history.x[i]) / shape[rising ? at : levels + at]);
       }
     }
   } catch (const std::invalid_argument&) {  // an inverse without a value: nothing is known
-    return {};
+    return Squares(1);
   } catch (const AnalysisError&) {
-    return {};
+    return Squares(1);
   }
-  return errors;
+  return squares;
+}
+
+struct Residuals {
+  std::vector<Squares> own;  // of each taxel on all samples
+  Squares left, inner,
+      all;  // of the chosen taxels: models that did not see a branch on it, those in use there, and all
+  [[nodiscard]] bool told() const { return left.samples() > 0.0; }
+};
+
+// `squares(taxel, t, counts)`: of `taxel`, which is the model's one at place t or one like it.
+template <class SquaresOf>
+Residuals residuals_of(const SensorModel& model, const LeftOut& held, std::size_t intervals, int threads,
+                       const SquaresOf& squares) {
+  const Squares none(intervals);
+  Residuals found{std::vector<Squares>(model.taxels.size(), none), none, none, none};
+  std::vector<Squares> of_held(held.places.size(), none), in_use(held.places.size(), none);
+  const auto part_of = [&](std::size_t h, std::size_t i) {
+    return h < held.part.size() && i < held.part[h].size() ? held.part[h][i] : -1;
+  };
+  for_each_index(found.own.size(), threads, [&](std::size_t t) {
+    if (model.taxels[t].fitted()) found.own[t] = squares(model.taxels[t], t, all_count);
+  });
+  for_each_index(of_held.size(), threads, [&](std::size_t k) {
+    const std::size_t t = held.places[k];
+    in_use[k] = squares(model.taxels[t], t, [&](std::size_t h, std::size_t i) { return part_of(h, i) >= 0; });
+    for (std::size_t f = 0; f < held.models.size(); ++f) {
+      ModelTaxel other = held.models[f].taxels[k];
+      if (!other.fitted()) continue;
+      other.creep_scale = model.taxels[t].creep_scale;
+      other.lag_share = model.taxels[t].lag_share;
+      of_held[k].add(
+          squares(other, t, [&](std::size_t h, std::size_t i) { return part_of(h, i) == static_cast<int>(f); }));
+    }
+  });
+  for (std::size_t k = 0; k < of_held.size(); ++k) {
+    found.left.add(of_held[k]);
+    found.inner.add(in_use[k]);
+    found.all.add(found.own[held.places[k]]);
+  }
+  return found;
+}
+
+void set_residuals(const Residuals& found, double factor, SensorModel& model) {
+  for (std::size_t t = 0; t < found.own.size(); ++t) {
+    const Squares& own = found.own[t];
+    if (own.samples() == 0.0) continue;
+    const double residual2 = found.told()
+                                 ? residual2_of_taxel(between_branches({found.left.mean(), found.inner.mean()}),
+                                                      own.mean(), found.all.mean())
+                                 : own.mean() + between_external_branches(model.taxels[t]);
+    model.taxels[t].residual_psi = factor * std::sqrt(residual2);
+  }
 }
 
 }  // namespace
@@ -144,42 +210,85 @@ double between_external_branches(const ModelTaxel& taxel) {
 void find_residuals(const Histories& histories, const std::vector<std::string>& sequences, int threads,
                     SensorModel& model) {
   if (model.taxels.size() > histories.taxels.size()) return;
-  const bool run = histories.run != 0;
-  const LeftOut held = leave_out(histories, sequences, model, threads);
-  const auto part_of = [&](std::size_t h, std::size_t i) {
-    return h < held.part.size() && i < held.part[h].size() ? held.part[h][i] : -1;
-  };
-  std::vector<std::pair<ErrorSquares, ErrorSquares>> fitted(model.taxels.size());
-  for_each_index(fitted.size(), threads, [&](std::size_t t) {
-    const ModelTaxel& taxel = model.taxels[t];
-    if (taxel.fitted() && !taxel.ascending.x().empty())
-      fitted[t] = errors_of(chosen(histories.taxels[t], run, sequences), model, taxel,
-                            [&](std::size_t h, std::size_t i) { return part_of(h, i) >= 0; });
-  });
-  std::vector<ErrorSquares> left(held.places.size());
-  for_each_index(left.size(), threads, [&](std::size_t k) {
-    const auto own = chosen(histories.taxels[held.places[k]], run, sequences);
-    if (own.size() != held.part.size()) return;
-    for (std::size_t f = 0; f < held.models.size(); ++f)
-      if (held.models[f].taxels[k].fitted())
-        left[k].add(errors_of(own, held.models[f], held.models[f].taxels[k], [&](std::size_t h, std::size_t i) {
-                      return part_of(h, i) == static_cast<int>(f);
-                    }).second);
-  });
-  ErrorSquares inner, of_held, array;
-  for (std::size_t k = 0; k < left.size(); ++k) {
-    inner.add(fitted[held.places[k]].second);
-    of_held.add(left[k]);
-    array.add(fitted[held.places[k]].first);
+  LeftOut held = leave_out(histories, sequences, model, threads);
+  const auto chosen_of = [&](std::size_t t) { return chosen(histories.taxels[t], histories.run != 0, sequences); };
+  if (!held.places.empty() && chosen_of(held.places.front()).size() != held.part.size()) held.models.clear();
+  const Residuals found =
+      residuals_of(model, held, 1, threads, [&](const ModelTaxel& taxel, std::size_t t, const Counts& counts) {
+        return taxel.ascending.x().empty() ? Squares(1) : squares_of(chosen_of(t), model, taxel, counts);
+      });
+  set_residuals(found, kNoTimes, model);
+}
+
+// Of a model with lag and creep, in time: streams read the whole run.
+
+namespace {
+
+constexpr double kSmoothed = 0.1;  // of the range: standard deviation of the weights
+
+// Of the taxels' Preisach models.
+std::size_t intervals_of(const SensorModel& model) {
+  const auto fitted = std::ranges::find_if(model.taxels, &ModelTaxel::fitted);
+  return dynamic_cast<const PreisachModel&>(linearised_of(*fitted)->inner()).intervals();
+}
+
+double volts_of(const Repeat& repeat, std::size_t i, std::size_t taxel, const SensorModel& model, std::size_t width) {
+  const double* const row = &repeat.volts[i * width];
+  if (taxel < width) return row[taxel];
+  double sum = 0.0, count = 0.0;  // the mean taxel
+  for (std::size_t own = 0; own < width; ++own) {
+    if (!model.taxels[own].fitted()) continue;
+    sum += row[own];
+    count += 1.0;
   }
-  for (std::size_t t = 0; t < fitted.size(); ++t) {
-    const ErrorSquares& own = fitted[t].first;
-    if (own.count == 0.0) continue;
-    const double residual2 = of_held.count > 0.0 ? residual2_of_taxel(between_branches({of_held.mean(), inner.mean()}),
-                                                                      own.mean(), array.mean())
-                                                 : own.mean() + between_external_branches(model.taxels[t]);
-    model.taxels[t].residual_psi = kNoTimes * std::sqrt(residual2);
+  return sum / count;
+}
+
+std::vector<double> shape_of(const Squares& left) {
+  const std::size_t n = left.sum.size() / 2;
+  std::vector<double> shape;
+  for (std::size_t k = 0; k < 2 * n; ++k) {
+    double sum = 0.0, count = 0.0;
+    for (std::size_t j = k / n * n; j < k / n * n + n; ++j) {
+      const double off = (static_cast<double>(j) - static_cast<double>(k)) / (kSmoothed * static_cast<double>(n));
+      const double weight = std::exp(-0.5 * off * off);
+      sum += weight * left.sum[j];
+      count += weight * left.count[j];
+    }
+    shape.push_back(count > 0.0 ? std::sqrt(0.5 + 0.5 * sum / count / left.mean()) : 1.0);
   }
+  return shape;
+}
+
+}  // namespace
+
+void find_dynamic_residuals(const Dataset& fitted, const Dataset& undone, const FitOptions& fit, SensorModel& model) {
+  HistoriesOptions gathered;
+  gathered.common = fit.common;
+  gathered.dead_v = fit.dead_v;
+  gathered.all_scores = false;
+  gathered.threads = fit.threads;
+  const LeftOut held = leave_out(histories_of(undone, gathered), {}, model, fit.threads);
+  const Dataset data = as_modelled(fitted, model);
+  const auto width = static_cast<std::size_t>(data.taxels());
+  const std::size_t n = intervals_of(model);
+  const double low = model.pressure_psi.front(), span = model.pressure_psi.back() - low;
+  const Residuals found =
+      residuals_of(model, held, n, fit.threads, [&](const ModelTaxel& taxel, std::size_t t, const Counts& counts) {
+        Squares squares(n);
+        const auto stream = compensator_of(model, taxel);
+        stream_samples(
+            data, *stream, [&](const Repeat& repeat, std::size_t i) { return volts_of(repeat, i, t, model, width); },
+            [&](std::size_t s, std::size_t r, std::size_t i, const Compensated& now) {
+              if (!counts(s, i)) return;
+              squares.add(interval_of((now.pressure_psi - low) / span * static_cast<double>(n), n), stream->ascending(),
+                          now.pressure_psi - data.sequences[s].repeats[r].steps[i].reference_psi);
+            });
+        return squares;
+      });
+  set_residuals(found, 1.0, model);
+  model.dynamics->residual_shape =
+      found.told() && found.left.mean() > 0.0 ? shape_of(found.left) : std::vector<double>(2 * n, 1.0);
 }
 
 }  // namespace tactbench::analysis

@@ -101,6 +101,43 @@ void set_loop(ModelTaxel& taxel, std::span<const double> inputs, std::span<const
   taxel.descending = PatternCurve(x, falling, low, high);
 }
 
+void check_same_sensor(const DataIdentity& data, const DataIdentity& other) {
+  if (data.rows != other.rows || data.columns != other.columns)
+    throw AnalysisError("TB-ANALYSIS-OTHER-SENSOR",
+                        fmt::format("{} has {} x {} taxels, {} {} x {}", data.name, data.rows, data.columns, other.name,
+                                    other.rows, other.columns),
+                        "a model is bound to its array: name data and models of the same one");
+  if (data.sensor_serial != other.sensor_serial || data.scanner_serial != other.scanner_serial)
+    throw AnalysisError("TB-ANALYSIS-OTHER-SENSOR",
+                        fmt::format("{} is of sensor {} on scanner {}, {} of {} on {}", data.name,
+                                    or_not_stated(data.sensor_serial), or_not_stated(data.scanner_serial), other.name,
+                                    or_not_stated(other.sensor_serial), or_not_stated(other.scanner_serial)),
+                        "a model is bound to sensor and scanner: name data of this pair, or fit a run of it");
+  if (data.origin != other.origin)
+    throw AnalysisError("TB-ANALYSIS-ORIGIN",
+                        fmt::format("{} is {}, {} {}", data.name, data.origin, other.name, other.origin),
+                        "origins never mix: name data and models of the same one");
+}
+
+void check_same_sensor(const DataIdentity& data, const SensorModel& fit) {
+  check_same_sensor(data, DataIdentity{fmt::format("the model of {}", fit.source), fit.origin, fit.sensor_serial,
+                                       fit.scanner_serial, fit.rows, fit.columns});
+  if (fit.array().size() != static_cast<std::size_t>(fit.rows) * static_cast<std::size_t>(fit.columns))
+    throw AnalysisError("TB-ANALYSIS-OTHER-SENSOR", fmt::format("the model of {} is not of a whole array", fit.source),
+                        "fit a run of the array");
+}
+
+void check_same_sensor(const Dataset& dataset, const SensorModel& fit) { check_same_sensor(identity_of(dataset), fit); }
+
+DataIdentity identity_of(const Dataset& dataset) {
+  return {fmt::format("run {}", dataset.run),
+          dataset.origin,
+          dataset.sensor_serial,
+          dataset.scanner_serial,
+          dataset.rows,
+          dataset.columns};
+}
+
 Dataset as_modelled(Dataset dataset, const SensorModel& fit) {
   if (!fit.falling) return dataset;
   for (SequenceData& sequence : dataset.sequences)

@@ -9,10 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "analysis/identify/elam/repeats.h"
 #include "analysis/identify/fit_models.h"
 #include "analysis/identify/histories.h"
-#include "analysis/identify/taxel_status.h"
 #include "analysis/models/dynamics.h"
 #include "analysis/models/elam.h"
 #include "analysis/pressure_unit.h"
@@ -132,6 +130,18 @@ class ExternalBranch {
 // as the model itself walks. Throws std::invalid_argument when they do not rise.
 void set_loop(ModelTaxel& taxel, std::span<const double> inputs, std::span<const double> up = {},
               std::span<const double> down = {});
+
+// What data must have in common with a model, and with each other.
+struct DataIdentity {
+  std::string name, origin, sensor_serial, scanner_serial;  // name: "run 3", "the models of run 3"
+  int rows = 0, columns = 0;
+};
+// A model is bound to sensor, scanner and geometry, and origins never mix. Throws AnalysisError
+// TB-ANALYSIS-OTHER-SENSOR, TB-ANALYSIS-ORIGIN.
+void check_same_sensor(const DataIdentity& data, const DataIdentity& other);
+void check_same_sensor(const DataIdentity& data, const SensorModel& fit);
+void check_same_sensor(const Dataset& dataset, const SensorModel& fit);
+DataIdentity identity_of(const Dataset& dataset);
 
 // The dataset as the models of `fit` see it: outputs negated where they are those of a falling sensor.
 Dataset as_modelled(Dataset dataset, const SensorModel& fit);

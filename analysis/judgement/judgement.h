@@ -15,7 +15,7 @@
 
 #include "analysis/judgement/figure.h"
 #include "analysis/judgement/trajectory.h"
-#include "analysis/statistics/uncertainty/instrument_calibration.h"
+#include "analysis/statistics/uncertainty/instruments.h"
 #include "analysis/statistics/uncertainty/reference_uncertainty.h"
 
 namespace tactbench::analysis {

@@ -9,7 +9,6 @@
 
 #include "analysis/loop.h"
 #include "analysis/statistics/figures/levels.h"
-#include "analysis/statistics/numbers/coverage.h"
 #include "analysis/statistics/numbers/moments.h"
 
 namespace tactbench::analysis {

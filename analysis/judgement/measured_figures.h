@@ -18,7 +18,6 @@
 #include "analysis/statistics/figures/evaluation.h"
 #include "analysis/statistics/figures/levels.h"
 #include "analysis/statistics/figures/sweep_errors.h"
-#include "analysis/statistics/numbers/coverage.h"
 #include "analysis/statistics/numbers/moments.h"
 #include "analysis/statistics/uncertainty/reference_uncertainty.h"
 

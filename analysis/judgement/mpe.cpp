@@ -7,10 +7,9 @@
 #include <limits>
 #include <map>
 
+#include "analysis/identify/sensor_model.h"
 #include "analysis/loop.h"
-#include "analysis/statistics/figures/same_sensor.h"
-#include "analysis/statistics/figures/streams.h"
-#include "analysis/statistics/numbers/coverage.h"
+#include "analysis/statistics/figures/levels.h"
 #include "analysis/statistics/numbers/moments.h"
 
 namespace tactbench::analysis {

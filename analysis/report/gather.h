@@ -10,7 +10,7 @@
 #include "analysis/dataset.h"
 #include "analysis/report/report.h"
 #include "analysis/report/run_log.h"
-#include "analysis/statistics/studies/press_run.h"
+#include "analysis/statistics/studies/contact.h"
 
 // Cache of the runs that one command uses, each read from the store once: the row on first use, all other data with the
 // first result that needs them. Functions take a Runs instead of a store and a run number.

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/statistics/uncertainty/instrument_calibration.h"
+#include "analysis/statistics/uncertainty/instruments.h"
 
 namespace tactbench::analysis {
 
@@ -24,7 +24,7 @@ struct Laboratory {
   std::string remarks;
   std::string valid_until;                  // date until which the calibration is valid; empty: see below
   int recalibrate_after_months = 0;         // validity in months after the measurement; 0: no rule
-  std::vector<InstrumentNote> instruments;  // notes in addition to the run's stored data: instrument_calibration.h
+  std::vector<InstrumentNote> instruments;  // notes in addition to the run's stored data: instruments.h
   std::string sha256;                       // hash of the file; empty: there was none
 };
 

@@ -8,7 +8,7 @@
 
 #include "analysis/judgement/judgement.h"
 #include "analysis/statistics/figures/evaluation.h"
-#include "analysis/statistics/studies/contact_results.h"
+#include "analysis/statistics/studies/contact.h"
 #include "analysis/statistics/studies/studies.h"
 #include "db/record.h"
 

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "analysis/statistics/uncertainty/instrument_calibration.h"
+#include "analysis/statistics/uncertainty/instruments.h"
 #include "bench/common/error.h"
 
 namespace tactbench::bench {

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/error.h"
-#include "analysis/identify/taxel_status.h"
+#include "analysis/identify/histories.h"
 #include "analysis/json_io.h"
 #include "analysis/scanner_scale.h"
 #include "db/run_frame_reader.h"

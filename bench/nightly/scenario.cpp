@@ -11,7 +11,6 @@
 #include "analysis/json_fields.h"
 #include "analysis/json_io.h"
 #include "analysis/statistics/figures/evaluation.h"
-#include "analysis/statistics/figures/figures.h"
 #include "analysis/statistics/figures/limits.h"
 #include "analysis/statistics/figures/rig_figures.h"
 #include "bench/common/error.h"

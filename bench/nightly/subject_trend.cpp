@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "analysis/report/overview/overview.h"
-#include "analysis/statistics/control/false_discovery.h"
+#include "analysis/statistics/control/control_chart.h"
 #include "analysis/statistics/numbers/moments.h"
 
 namespace tactbench::bench {

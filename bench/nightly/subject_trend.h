@@ -60,7 +60,7 @@ class TrendReader {
 };
 // The trend up to the newest run.
 SubjectTrend follow(const db::RunStore& store, const std::string& subject);
-// Sets `shifted` by the false discovery rate over all charts of these subjects (false_discovery.h). Constants and
+// Sets `shifted` by the false discovery rate over all charts of these subjects (control_chart.h). Constants and
 // figures without a chart are not counted.
 void judge_shifts(const std::vector<SubjectTrend*>& family);
 // follow() and judge_shifts() with only the subject's figures.

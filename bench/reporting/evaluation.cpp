@@ -9,7 +9,6 @@
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/report/gather.h"
 #include "analysis/statistics/figures/evaluation.h"
-#include "analysis/statistics/figures/figures.h"
 #include "bench/common/build_info.h"
 #include "bench/common/output_file.h"
 #include "bench/common/utc.h"

@@ -8,9 +8,9 @@
 #include <optional>
 #include <utility>
 
+#include "analysis/identify/sensor_model.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/report/data/traceability.h"
-#include "analysis/statistics/figures/same_sensor.h"
 #include "analysis/statistics/uncertainty/temperature_effect.h"
 #include "bench/common/error.h"
 #include "bench/config/config.h"

@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "analysis/statistics/numbers/coverage.h"
 #include "analysis/statistics/numbers/moments.h"
 #include "bench/run/run_record.h"
 #include "bench/run/watch/lost_time.h"

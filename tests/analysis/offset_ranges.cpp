@@ -3,10 +3,10 @@
 #include <cmath>
 
 #include "analysis/compensate/document.h"
-#include "analysis/identify/congruency.h"
-#include "analysis/identify/elam/elam_samples.h"
+#include "analysis/identify/elam/elam.h"
 #include "analysis/identify/fit_samples.h"
 #include "analysis/identify/histories.h"
+#include "analysis/identify/linearise.h"
 #include "analysis/judgement/trajectory.h"
 #include "analysis/loop.h"
 #include "analysis/statistics/figures/sweep_errors.h"

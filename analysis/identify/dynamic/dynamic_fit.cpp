@@ -6,8 +6,8 @@
 #include <cmath>
 #include <set>
 
-#include "analysis/identify/dynamic/dynamic_residuals.h"
-#include "analysis/identify/dynamic/fit_run_creep.h"
+#include "analysis/identify/dynamic/dynamics_search.h"
+#include "analysis/identify/residuals.h"
 #include "analysis/pressure_unit.h"
 #include "analysis/statistics/numbers/moments.h"
 
@@ -33,20 +33,6 @@ std::vector<double> zeros_of(const Dataset& data) {
       }
   for (double& zero : zeros) zero /= count;
   return zeros;
-}
-
-void check_same_array(const Dataset& fitted, const Dataset& other) {
-  if (other.rows != fitted.rows || other.columns != fitted.columns || other.sensor_serial != fitted.sensor_serial ||
-      other.scanner_serial != fitted.scanner_serial)
-    throw AnalysisError("TB-ANALYSIS-OTHER-SENSOR",
-                        fmt::format("run {} is of sensor {} on scanner {}, run {} of {} on {}", other.run,
-                                    or_not_stated(other.sensor_serial), or_not_stated(other.scanner_serial), fitted.run,
-                                    or_not_stated(fitted.sensor_serial), or_not_stated(fitted.scanner_serial)),
-                        "lag and creep belong to a sensor: name runs of the one that is fitted");
-  if (other.origin != fitted.origin)
-    throw AnalysisError("TB-ANALYSIS-ORIGIN",
-                        fmt::format("run {} is {}, run {} is {}", other.run, other.origin, fitted.run, fitted.origin),
-                        "origins never mix: name runs of the same origin");
 }
 
 void check_found(const ArrayDynamics& found, const Dataset* rate, const Dataset* creep) {
@@ -137,7 +123,7 @@ SensorModel fit_from(const Dataset& fitted, const Dataset* rate, const Dataset* 
   std::vector<const Dataset*> others;
   for (const Dataset* const other : {rate, creep})
     if (other != nullptr && other != &fitted) others.push_back(other);
-  for (const Dataset* const other : others) check_same_array(fitted, *other);
+  for (const Dataset* const other : others) check_same_sensor(identity_of(*other), identity_of(fitted));
   HistoriesOptions gathered;
   gathered.threads = options.threads;
   gathered.all_scores = false;
@@ -292,11 +278,6 @@ SensorModel fit_dynamic_table(const Histories& histories, const DynamicFitOption
   return model;
 }
 
-bool creep_of_fitted_run(const SensorDynamics& dynamics) {
-  const auto& share = dynamics.shared.creep_share;
-  return compensates_creep(dynamics) && std::ranges::all_of(share, [&](double own) { return own == share.front(); });
-}
-
 bool compensates_creep(const SensorDynamics& dynamics) {
   return std::ranges::any_of(dynamics.shared.creep_share, [](double share) { return share != 0.0; });
 }
@@ -304,5 +285,55 @@ bool compensates_creep(const SensorDynamics& dynamics) {
 bool compensates_lag(const SensorDynamics& dynamics) { return dynamics.shared.lag_share != 0.0; }
 
 bool in_time(const SensorDynamics& dynamics) { return undoes(dynamics.shared); }
+
+namespace {
+
+void check_times(const SensorModel& model, const Histories& histories) {
+  for (const TaxelHistories& taxel : histories.taxels)
+    for (const History& history : taxel.score)
+      if (history.time_s.size() != history.x.size())
+        throw AnalysisError("TB-MODEL-DYNAMIC",
+                            fmt::format("{} tells no times, and without them the dynamic model of {} cannot undo lag "
+                                        "and creep",
+                                        histories.source, model.source),
+                            "give a run, or a table with a column time_s in seconds");
+}
+
+void undo(const Dynamics& d, const ModelTaxel& taxel, bool run, std::vector<History>& histories) {
+  const HysteresisModel& film = *taxel.fit.model;
+  const double x_low = film.x_low(), span = film.x_high() - x_low;
+  const double zero = taxel.from_model(film.state()->output_at(x_low));
+  DynamicsState state;
+  double before = -1.0;
+  for (History& history : histories) {
+    if (!run) {
+      state = {};
+      before = -1.0;
+    }
+    for (std::size_t i = 0; i < history.x.size(); ++i) {
+      const double time = history.time_s[i], pressure = history.x[i] - x_low;
+      const DynamicsStep step = run ? next_step(d, state, {0.0, 0.0, time, history.held_s[i]}, before, span)
+                                    : DynamicsStep(d, before < 0.0 ? 0.0 : std::max(time - before, 0.0));
+      const double factor = creep_factor(d, state, step, pressure, taxel.creep_scale);
+      history.y[i] = zero + (history.y[i] - zero) / factor;
+      history.x[i] = x_low + arrived(taxel.lag_share, state, step, pressure);
+      advance(d, state, step, pressure);
+      before = time;
+    }
+  }
+}
+
+}  // namespace
+
+Histories histories_without_dynamics(const SensorModel& model, Histories histories) {
+  if (!in_time(*model.dynamics)) return histories;
+  check_times(model, histories);
+  for (TaxelHistories& taxel : histories.taxels) {
+    const auto own = std::ranges::find(model.taxels, taxel.taxel, &ModelTaxel::taxel);
+    if (own == model.taxels.end() || !own->fitted()) continue;
+    undo(model.dynamics->shared, *own, histories.run != 0, taxel.score);
+  }
+  return histories;
+}
 
 }  // namespace tactbench::analysis

@@ -27,19 +27,26 @@ SensorModel fit_dynamic(const Dataset& fitted, const Dataset& rate, const Datase
 // two a dynamic model compensates.
 
 // Like fit_dynamic() with the run itself as rate and creep run: lag where its repeats differ in pace, creep from its
-// holds or, without any, as in fit_run_creep.h. Neither is compensated where the run does not begin at 0 psi. Throws as
-// fit_array does.
+// holds or, without any, as in dynamics_search.h. Neither is compensated where the run does not begin at 0 psi. Throws
+// as fit_array does.
 SensorModel fit_dynamic_single_run(const Dataset& fitted, const DynamicFitOptions& options = {});
 
 // The same for a table whose histories have times (HistoriesOptions::timed). Throws AnalysisError TB-ANALYSIS-DYNAMICS
 // where the lowest input is not 0 or taxels have inputs of their own, and as fit_array does.
 SensorModel fit_dynamic_table(const Histories& histories, const DynamicFitOptions& options = {});
 
-// True when its creep is the single share estimated from the fitted run, not from holds.
-bool creep_of_fitted_run(const SensorDynamics& dynamics);
 bool compensates_creep(const SensorDynamics& dynamics);
 bool compensates_lag(const SensorDynamics& dynamics);
 // True when its compensator needs the times of the samples.
 bool in_time(const SensorDynamics& dynamics);
+
+// Removes a dynamic model's lag and creep from measured histories, so that they can be compared with, or used to
+// adjust, its static taxel models.
+
+// Returns the outputs without the model's creep, at the inputs that have arrived, computed along the measured inputs.
+// The histories of a run follow each other, including the conditioning between them; those of a table each begin at
+// rest. Histories of taxels that the model lacks or did not fit are unchanged. For a model with dynamics. Throws
+// AnalysisError TB-MODEL-DYNAMIC where samples lack the times that it needs, and as compensator_of does.
+Histories histories_without_dynamics(const SensorModel& model, Histories histories);
 
 }  // namespace tactbench::analysis

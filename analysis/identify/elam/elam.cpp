@@ -1,17 +1,250 @@
+#include "analysis/identify/elam/elam.h"
+
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <stdexcept>
+#include <utility>
 
 #include "analysis/algebra/dense.h"
-#include "analysis/identify/elam/ascending_search.h"
-#include "analysis/identify/elam/elam_determined.h"
-#include "analysis/identify/elam/elam_samples.h"
 #include "analysis/identify/elam/lanes.h"
+#include "analysis/identify/elam/search.h"
 
 namespace tactbench::analysis {
+namespace {
+
+// Puts the samples at the same place together and returns what J gains by them whatever the model's value there.
+double merge(CurveSamples& curve) {
+  std::vector<std::size_t> order(curve.x.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return curve.x[i]; });
+  CurveSamples merged{curve.x_turn, curve.y_turn, {}, {}, {}};
+  double constant = 0.0;
+  for (const std::size_t i : order) {
+    if (merged.x.empty() || curve.x[i] != merged.x.back()) {
+      merged.x.push_back(curve.x[i]);
+      merged.y.push_back(curve.y[i]);
+      merged.weight.push_back(1.0);
+      continue;
+    }
+    double &mean = merged.y.back(), &weight = merged.weight.back();
+    const double off = curve.y[i] - mean;
+    constant += off * off * weight / (weight + 1.0);
+    weight += 1.0;
+    mean += off / weight;
+  }
+  curve = std::move(merged);
+  return constant;
+}
+
+}  // namespace
+
+TurningPoint turning_point(const ElamModel& model, const TaxelBranch& branch) {
+  const double x = branch.pressure_psi.front(), near = kOuterShare * (model.xu() - model.x0());
+  if (branch.ascending && x - model.x0() <= near) return {model.x0(), model.y0()};
+  if (!branch.ascending && model.xu() - x <= near) return {model.xu(), model.yu()};
+  return {x, branch.volts.front()};
+}
+
+ElamSamples collect_samples(const ElamModel& model, std::span<const TaxelBranch> branches) {
+  ElamSamples samples;
+  std::map<std::pair<double, double>, std::size_t> ascending, descending;  // places of curves by turning point
+  for (const TaxelBranch& branch : branches) {
+    const TurningPoint turn = turning_point(model, branch);
+    std::vector<CurveSamples>& curves = branch.ascending ? samples.ascending : samples.descending;
+    const auto [place, is_new] =
+        (branch.ascending ? ascending : descending).try_emplace({turn.x, turn.y}, curves.size());
+    if (is_new) curves.push_back({turn.x, turn.y, {}, {}, {}});
+    CurveSamples& curve = curves[place->second];
+    curve.x.insert(curve.x.end(), branch.pressure_psi.begin() + 1, branch.pressure_psi.end());
+    curve.y.insert(curve.y.end(), branch.volts.begin() + 1, branch.volts.end());
+  }
+  for (CurveSamples& curve : samples.ascending) samples.ascending_constant += merge(curve);
+  for (CurveSamples& curve : samples.descending) samples.descending_constant += merge(curve);
+  return samples;
+}
+
+void thin(std::vector<CurveSamples>& curves, std::size_t most) {
+  std::size_t count = 0;
+  for (const CurveSamples& curve : curves) count += curve.x.size();
+  if (count <= most) return;
+  // Multiples of the golden section, modulo 1, are even over any stretch and in step with no period of the data.
+  constexpr double kGolden = 0.6180339887498949;
+  const double share = static_cast<double>(most) / static_cast<double>(count);
+  std::size_t number = 0;
+  for (CurveSamples& curve : curves) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < curve.x.size(); ++i) {
+      if (std::fmod(kGolden * static_cast<double>(++number), 1.0) >= share) continue;
+      curve.x[kept] = curve.x[i];
+      curve.y[kept] = curve.y[i];
+      curve.weight[kept++] = curve.weight[i];
+    }
+    for (std::vector<double>* list : {&curve.x, &curve.y, &curve.weight}) list->resize(kept);
+  }
+  std::erase_if(curves, [](const CurveSamples& curve) { return curve.x.empty(); });
+}
+
+std::array<double, 3> direction_of(const ElamParameters& p, bool ascending, double length) {
+  if (!ascending) return {p.alpha_d, p.beta_d, 0.0};
+  return {p.alpha_a0, p.alpha_a0 + p.alpha_a1 * length, p.beta_a};
+}
+
+void set_direction(ElamParameters& p, bool ascending, double length, const double* at) {
+  if (ascending) {
+    p.alpha_a0 = at[0];
+    p.alpha_a1 = (at[1] - at[0]) / length;
+    p.beta_a = at[2];
+  } else {
+    p.alpha_d = at[0];
+    p.beta_d = at[1];
+  }
+}
+
+namespace {
+
+constexpr double kAnywhere = 1.0 / 12.0;  // variance of a value drawn from 0..1
+// A parameter, of residuals squared: a split at an unknown place gains more by chance than a fixed one (Andrews,
+// Econometrica 1993: 11.8 for two parameters at 95 %).
+constexpr double kByChance = 6.0;
+constexpr double kSameJ = 1e-7;          // share
+constexpr double kSmallestError = 1e-4;  // of full scale: what is taken as a sample's error at least
+constexpr double kStep = 1e-5;           // of a parameter, for derivatives
+constexpr int kNearer = 16;              // places on the way to the pattern
+
+// One direction's parameters, each in 0..1: alpha_d, beta_d, or phi(0), phi(X), beta_a.
+class Halved {
+ public:
+  using At = Eigen::VectorXd;
+  Halved(ElamModel& model, std::span<const CurveSamples> curves, double constant, bool ascending)
+      : model_(model), curves_(curves), constant_(constant), ascending_(ascending) {
+    for (const CurveSamples& curve : curves) {
+      rows_ += static_cast<Eigen::Index>(curve.x.size());
+      for (const double weight : curve.weight) samples_ += weight;
+    }
+  }
+  [[nodiscard]] Eigen::Index size() const { return ascending_ ? 3 : 2; }
+  [[nodiscard]] At here() const {
+    const std::array<double, 3> row = direction_of(model_.parameters, ascending_, length());
+    return At::Map(row.data(), size());
+  }
+  // The pattern's own split at this share of the input range.
+  [[nodiscard]] At own_split(double share) const {
+    const PatternCurve& pattern = ascending_ ? model_.ascending : model_.descending;
+    const double beta = (pattern(model_.x0() + share * length()) - model_.y0()) / (model_.yu() - model_.y0());
+    At at = At::Constant(size(), share);
+    at[size() - 1] = std::clamp(beta, 0.0, 1.0);
+    return at;
+  }
+  void put(const At& at) { set_direction(model_.parameters, ascending_, length(), at.data()); }
+  [[nodiscard]] double j(const At& at) { return constant_ + residuals(at).squaredNorm(); }
+  // Directions with the variance that the samples leave in each.
+  struct Spread {
+    Eigen::MatrixXd directions;
+    Eigen::VectorXd variances;
+    bool all = false;
+    [[nodiscard]] bool open(Eigen::Index parameter) const {
+      return all || directions.row(parameter).cwiseAbs2().dot(variances) > kAnywhere;
+    }
+    [[nodiscard]] bool any_open() const {
+      for (Eigen::Index k = 0; k < directions.rows(); ++k)
+        if (open(k)) return true;
+      return false;
+    }
+  };
+  [[nodiscard]] Spread spread(const At& at, double j) {
+    Eigen::MatrixXd slopes(rows_, size());
+    for (Eigen::Index k = 0; k < size(); ++k) {
+      At low = at, high = at;
+      low[k] = std::max(low[k] - kStep, 0.0);
+      high[k] = std::min(high[k] + kStep, 1.0);
+      slopes.col(k) = (residuals(high) - residuals(low)) / (high[k] - low[k]);
+    }
+    const Eigen::MatrixXd normal = gram_of(slopes);
+    const SymmetricEigen eigen = eigen_of(normal);
+    const double least = kSmallestError * (model_.yu() - model_.y0());
+    const double variance = sample_variance(j);
+    const double smallest = 1e-14 * std::max(normal.trace(), least * least);
+    return {eigen.vectors, (variance / eigen.values.array().max(smallest)).matrix()};
+  }
+  // J changes by no more than one standard error's worth as the split runs along the pattern. Derivatives do not show
+  // it: at the pattern's corners those to either side differ.
+  [[nodiscard]] bool open_along_pattern(double j) {
+    const double most = this->j(own_split(0.5)) + sample_variance(j), way = std::sqrt(kAnywhere);
+    return this->j(own_split(0.5 - way)) <= most && this->j(own_split(0.5 + way)) <= most;
+  }
+  [[nodiscard]] double as_good(double j) const {
+    const double least = kSmallestError * (model_.yu() - model_.y0());
+    const double k = static_cast<double>(size());
+    return std::max(j, samples_ * least * least) * (1.0 + kByChance * k / std::max(samples_ - k, 1.0));
+  }
+
+ private:
+  [[nodiscard]] double length() const { return model_.xu() - model_.x0(); }
+  [[nodiscard]] double sample_variance(double j) const {
+    const double least = kSmallestError * (model_.yu() - model_.y0());
+    return std::max(j / std::max(samples_ - static_cast<double>(size()), 1.0), least * least);
+  }
+  [[nodiscard]] Eigen::VectorXd residuals(const At& at) {
+    put(at);
+    Eigen::VectorXd off(rows_);
+    Eigen::Index row = 0;
+    for (const CurveSamples& samples : curves_) {
+      const ElamCurve curve(model_, ascending_, samples.x_turn, samples.y_turn);
+      for (std::size_t i = 0; i < samples.x.size(); ++i)
+        off[row++] = std::sqrt(samples.weight[i]) * (curve.output(samples.x[i]) - samples.y[i]);
+    }
+    return off;
+  }
+  ElamModel& model_;
+  std::span<const CurveSamples> curves_;
+  double constant_;
+  bool ascending_;
+  Eigen::Index rows_ = 0;
+  double samples_ = 0.0;
+};
+
+}  // namespace
+
+unsigned settle_undetermined(ElamModel& model, std::span<const CurveSamples> curves, double constant, bool ascending) {
+  const ElamParameters before = model.parameters;
+  Halved half(model, curves, constant, ascending);
+  const Halved::At found = half.here(), middle = half.own_split(0.5);
+  const double j = half.j(found);
+  Halved::At taken = found;
+  Halved::Spread spread;
+  const bool as_good = half.j(middle) <= half.as_good(j);
+  if (as_good) {
+    spread = half.spread(middle, j);
+    spread.all = half.open_along_pattern(j);
+  }
+  if (as_good && spread.any_open()) {
+    taken = middle;
+  } else {
+    spread = half.spread(found, j);
+    const Eigen::VectorXd open = (spread.variances.array() > kAnywhere).cast<double>().matrix();
+    const Halved::At way =
+        spread.directions * open.cwiseProduct(spread.directions.transpose() * (middle - found)).eval();
+    for (int k = kNearer; spread.any_open() && k > 0; --k) {
+      const Halved::At to = (found + way * k / kNearer).cwiseMax(0.0).cwiseMin(1.0);
+      if (half.j(to) > j * (1.0 + kSameJ)) continue;
+      taken = to;
+      break;
+    }
+  }
+  half.put(taken);
+  if (taken == found) model.parameters = before;  // bit for bit
+  // phi(0) is alpha_a0 and stands at bit 3, phi(X) stands for alpha_a1.
+  constexpr unsigned kBits[2][3] = {{0, 1, 1}, {3, 2, 4}};
+  unsigned bits = 0;
+  for (Eigen::Index k = 0; k < half.size(); ++k)
+    if (spread.open(k)) bits |= 1U << kBits[ascending ? 1 : 0][k];
+  return bits;
+}
+
 namespace {
 
 void check(const PatternCurve& ascending, const PatternCurve& descending, std::span<const TaxelBranch> branches) {
@@ -98,224 +331,6 @@ ElamFit identify_elam(const PatternCurve& ascending, const PatternCurve& descend
   ElamFit fit = scored(model, branches);
   fit.undetermined = undetermined;
   return fit;
-}
-
-// alpha_a1, alpha_a0, beta_a: with phi(L) = alpha_a1 L + alpha_a0 the split lies inside every branch exactly when u =
-// phi(0) and v = phi(X) are in [0, 1], so the box is the unit cube in (u, v, beta_a). J is a narrow valley in it, with
-// kinks and dents: damped Gauss-Newton in (u, v) on a grid of beta_a that is made finer where J is least, all three
-// from the minima on it, and an evolution strategy in the valley's own metric for the kinks.
-
-namespace {
-
-constexpr std::size_t kGrid = 64;  // values of beta_a, both ends included,
-constexpr std::size_t kEven = 48;  // so many of them evenly spaced, the others evenly on the pattern's abscissa
-constexpr std::array kStartsU = {0.5, 0.0, 1.0};
-constexpr int kGridSteps = 3;            // Gauss-Newton steps at each value of beta_a
-constexpr int kInsideSteps = 2;          // at those that are put between them
-constexpr std::size_t kIntervals = 16;   // at most so many between them, made finer
-constexpr std::size_t kFirstMinima = 4;  // beside the best minima of that line,
-constexpr double kPromising = 0.1;       // and where J is within this share of the least
-constexpr std::size_t kInside = 8;       // values of beta_a inside each
-constexpr std::size_t kMinima = 8;       // local minima of that line, made finer once more
-constexpr std::size_t kInsideAgain = 8;
-constexpr std::size_t kEnds = 16;  // minima of the finest line that are followed in all three
-constexpr int kSpaceSteps = 14;
-constexpr std::size_t kEvolved = 3;  // at most so many of them to the end,
-constexpr double kNearly = 3e-4;     // if their J is within this share of the best one's,
-constexpr double kDistinct = 1e-3;   // and they lie so far from those that were
-
-bool by_beta(const Value& a, const Value& b) { return a.at[2] < b.at[2]; }
-
-std::vector<Value> first_line(AscendingSearch& search, const LaneProblem& problem) {
-  std::vector<Value> line(kGrid), tried(kGrid);
-  const double span_x = problem.xu - problem.x0, span_y = problem.yu - problem.y0;
-  // Where the pattern is flat, as that of a clipped taxel, all happens within a narrow range of beta_a.
-  for (std::size_t i = 0; i < kGrid; ++i) {
-    const double share = static_cast<double>(i - kEven + 1) / static_cast<double>(kGrid - kEven + 1);
-    line[i].at[2] = i < kEven ? static_cast<double>(i) / (kEven - 1)
-                              : (problem.table.value(problem.x0 + share * span_x) - problem.y0) / span_y;
-  }
-  std::ranges::stable_sort(line, by_beta);
-  for (const double u : kStartsU) {
-    for (std::size_t i = 0; i < kGrid; ++i) {
-      const double beta = line[i].at[2];
-      // v where the mapping of an external branch is the identity.
-      tried[i].at = {u, (problem.table.inverse(problem.y0 + beta * span_y).u - problem.x0) / span_x, beta};
-    }
-    search.evaluate(tried);
-    for (std::size_t i = 0; i < kGrid; ++i)
-      if (tried[i].j < line[i].j) line[i] = tried[i];
-  }
-  search.descend(line, kGridSteps, Gradient::kPlane);
-  return line;
-}
-
-// Puts `count` values of beta_a between i and i + 1 for each i of `intervals`, started between its ends.
-void refine(AscendingSearch& search, std::vector<Value>& line, std::span<const std::size_t> intervals,
-            std::size_t count) {
-  std::vector<Value> inside;
-  for (const std::size_t i : intervals) {
-    for (std::size_t k = 1; k <= count; ++k) {
-      const double share = static_cast<double>(k) / static_cast<double>(count + 1);
-      Value value;
-      for (std::size_t d = 0; d < 3; ++d) value.at[d] = line[i].at[d] + share * (line[i + 1].at[d] - line[i].at[d]);
-      inside.push_back(value);
-    }
-  }
-  search.descend(inside, kInsideSteps, Gradient::kPlane);
-  line.insert(line.end(), inside.begin(), inside.end());
-  std::ranges::stable_sort(line, by_beta);
-}
-
-// Places of the local minima of a line, least J first.
-std::vector<std::size_t> minima_of(std::span<const Value> line) {
-  std::vector<std::size_t> minima;
-  for (std::size_t i = 0; i < line.size(); ++i)
-    if ((i == 0 || line[i].j <= line[i - 1].j) && (i + 1 == line.size() || line[i].j < line[i + 1].j))
-      minima.push_back(i);
-  if (minima.empty()) minima.push_back(0);  // J the same everywhere
-  std::ranges::stable_sort(minima, {}, [&](std::size_t i) { return line[i].j; });
-  return minima;
-}
-
-// The intervals on both sides of the first `most` of these places.
-std::vector<std::size_t> beside(std::span<const std::size_t> places, std::size_t most, std::size_t size) {
-  std::vector<std::size_t> intervals;
-  for (const std::size_t i : places.first(std::min(places.size(), most))) {
-    if (i > 0 && std::ranges::find(intervals, i - 1) == intervals.end()) intervals.push_back(i - 1);
-    if (i + 1 < size && std::ranges::find(intervals, i) == intervals.end()) intervals.push_back(i);
-  }
-  return intervals;
-}
-
-std::vector<Value> ends_of_lines(AscendingSearch& search, const LaneProblem& problem) {
-  std::vector<Value> line = first_line(search, problem);
-  const auto least = [&](std::size_t i) { return std::min(line[i].j, line[i + 1].j); };
-  const double promising = (1.0 + kPromising) * std::ranges::min_element(line, {}, &Value::j)->j;
-  std::vector<std::size_t> intervals = beside(minima_of(line), kFirstMinima, line.size());
-  std::vector<std::size_t> others;
-  for (std::size_t i = 0; i + 1 < line.size(); ++i)
-    if (least(i) <= promising && std::ranges::find(intervals, i) == intervals.end()) others.push_back(i);
-  std::ranges::stable_sort(others, {}, least);
-  intervals.insert(intervals.end(), others.begin(), others.end());
-  intervals.resize(std::min(intervals.size(), kIntervals));
-  refine(search, line, intervals, kInside);
-  intervals = beside(minima_of(line), kMinima, line.size());
-  refine(search, line, intervals, kInsideAgain);
-  std::vector<Value> ends;
-  for (const std::size_t i : minima_of(line)) ends.push_back(line[i]);
-  ends.resize(std::min(ends.size(), kEnds));
-  search.descend(ends, kSpaceSteps, Gradient::kSpace);
-  std::ranges::stable_sort(ends, {}, &Value::j);
-  return ends;
-}
-
-}  // namespace
-
-double fit_ascending(ElamModel& model, std::span<const CurveSamples> curves) {
-  const LaneProblem problem = lane_problem(model, curves, true);
-  AscendingSearch search(problem, std::max(kIntervals * kInside, 2 * kMinima * kInsideAgain));
-  const std::vector<Value> ends = ends_of_lines(search, problem);
-  Value best;
-  std::vector<Value> done;
-  for (const Value& end : ends) {
-    if (done.size() == kEvolved || end.j > best.j * (1.0 + kNearly)) break;
-    const auto same = [&](const Value& other) {
-      double off = 0.0;
-      for (std::size_t k = 0; k < 3; ++k) off = std::max(off, std::abs(end.at[k] - other.at[k]));
-      return off < kDistinct;
-    };
-    if (std::ranges::any_of(done, same)) continue;
-    done.push_back(end);
-    const Value found = search.evolve(end);
-    if (found.j < best.j) best = found;
-  }
-  set_direction(model.parameters, true, model.xu() - model.x0(), best.at.data());
-  return best.j;
-}
-
-// alpha_d, beta_d: the target curve is affine in beta_d, so for each alpha_d the best beta_d is known in closed form
-// and one variable with several minima is left: a grid, then the best brackets divided until nothing moves.
-
-namespace {
-
-constexpr std::size_t kAlphas = 128;         // values of alpha_d, both ends included
-constexpr std::size_t kAlphaIntervals = 32;  // at most so many between them, made finer
-constexpr double kPromisingAlpha = 0.25;     // where J is within this share of the least
-constexpr std::size_t kInsideAlpha = 4;      // values inside each
-constexpr std::size_t kAlphaMinima = 6;      // local minima of that line, looked into
-constexpr std::size_t kDivisions = 8;        // of a bracket, each round: it narrows 4.5 times
-constexpr int kFirstRounds = 3;
-constexpr int kLastRounds = 8;  // to a bracket of 1 / (127 x 4.5^11), below 1e-9
-
-struct AlphaValue {
-  double j = std::numeric_limits<double>::infinity();
-  double alpha = 0.0, beta = 0.0;
-};
-
-// Divides the brackets of half width `width` about each of `minima`, and keeps the best of each.
-void divide(const LaneProblem& problem, std::span<AlphaValue> minima, double& width) {
-  std::array<double, kAlphaMinima * kDivisions> alpha, j, beta;
-  const std::size_t count = minima.size() * kDivisions;
-  width /= 0.5 * kDivisions + 0.5;
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t k = i % kDivisions;
-    const double steps = static_cast<double>(k) - (k < kDivisions / 2 ? 4.0 : 3.0);  // -4..-1, 1..4
-    alpha[i] = std::clamp(minima[i / kDivisions].alpha + steps * width, 0.0, 1.0);
-  }
-  lane_descending(problem, std::span(alpha).first(count), j, beta);
-  for (std::size_t i = 0; i < count; ++i)
-    if (j[i] < minima[i / kDivisions].j) minima[i / kDivisions] = {j[i], alpha[i], beta[i]};
-}
-
-// J at each alpha_d of `line`.
-void evaluate(const LaneProblem& problem, std::span<AlphaValue> line) {
-  std::vector<double> alpha((line.size() + 7) / 8 * 8, 0.0), j(alpha.size()), beta(alpha.size());
-  std::ranges::transform(line, alpha.begin(), &AlphaValue::alpha);
-  lane_descending(problem, alpha, j, beta);
-  for (std::size_t i = 0; i < line.size(); ++i) line[i] = {j[i], line[i].alpha, beta[i]};
-}
-
-std::vector<AlphaValue> line_of(const LaneProblem& problem) {
-  std::vector<AlphaValue> line(kAlphas), inside;
-  for (std::size_t i = 0; i < kAlphas; ++i) line[i].alpha = static_cast<double>(i) / (kAlphas - 1);
-  evaluate(problem, line);
-  const auto least = [&](std::size_t i) { return std::min(line[i].j, line[i + 1].j); };
-  const double promising = (1.0 + kPromisingAlpha) * std::ranges::min_element(line, {}, &AlphaValue::j)->j;
-  std::vector<std::size_t> intervals;
-  for (std::size_t i = 0; i + 1 < kAlphas; ++i)
-    if (least(i) <= promising) intervals.push_back(i);
-  std::ranges::stable_sort(intervals, {}, least);
-  intervals.resize(std::min(intervals.size(), kAlphaIntervals));
-  for (const std::size_t i : intervals)
-    for (std::size_t k = 1; k <= kInsideAlpha; ++k)
-      inside.push_back(
-          {0.0, (static_cast<double>(i) + static_cast<double>(k) / (kInsideAlpha + 1)) / (kAlphas - 1), 0.0});
-  evaluate(problem, inside);
-  line.insert(line.end(), inside.begin(), inside.end());
-  std::ranges::stable_sort(line, {}, &AlphaValue::alpha);
-  return line;
-}
-
-}  // namespace
-
-double fit_descending(ElamModel& model, std::span<const CurveSamples> curves) {
-  const LaneProblem problem = lane_problem(model, curves, false);
-  const std::vector<AlphaValue> line = line_of(problem);
-  std::vector<AlphaValue> minima;
-  for (std::size_t i = 0; i < line.size(); ++i)
-    if ((i == 0 || line[i].j <= line[i - 1].j) && (i + 1 == line.size() || line[i].j < line[i + 1].j))
-      minima.push_back(line[i]);
-  if (minima.empty()) minima.push_back(line[line.size() / 2]);  // J the same everywhere
-  std::ranges::stable_sort(minima, {}, &AlphaValue::j);
-  minima.resize(std::min(minima.size(), kAlphaMinima));
-  double width = 1.0 / (kAlphas - 1);
-  for (int round = 0; round < kFirstRounds; ++round) divide(problem, minima, width);
-  AlphaValue best = *std::ranges::min_element(minima, {}, &AlphaValue::j);
-  for (int round = 0; round < kLastRounds; ++round) divide(problem, std::span(&best, 1), width);
-  model.parameters.alpha_d = best.alpha;
-  model.parameters.beta_d = best.beta;
-  return best.j;
 }
 
 // Further split points a branch, from the optimum with one: for each way to share them between the two sides of the

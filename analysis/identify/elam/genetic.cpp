@@ -2,8 +2,7 @@
 
 #include <stdexcept>
 
-#include "analysis/identify/elam/elam_determined.h"
-#include "analysis/identify/elam/elam_samples.h"
+#include "analysis/identify/elam/elam.h"
 #include "analysis/identify/elam/genetic_module.h"
 #include "analysis/module_symbol.h"
 

@@ -1,11 +1,11 @@
 // Identifies ELAM's parameters by a genetic algorithm as the paper does (section 5), as an alternative to the exact
-// method of identify.h: for comparison, never the default. The algorithm is pagmo2's sga (Biscani, Izzo 2020), an
+// method of elam.h: for comparison, never the default. The algorithm is pagmo2's sga (Biscani, Izzo 2020), an
 // optional component of a build.
 #pragma once
 
 #include <span>
 
-#include "analysis/identify/elam/identify.h"
+#include "analysis/identify/elam/elam.h"
 
 namespace tactbench::analysis {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "analysis/identify/vector_lanes.h"
+#include "analysis/identify/elam/vector_lanes.h"
 
 // Vectors wider than the base's registers are passed between always-inlined functions only.
 #pragma GCC diagnostic push

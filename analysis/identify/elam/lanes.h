@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "analysis/identify/elam/elam_samples.h"
+#include "analysis/identify/elam/elam.h"
 #include "analysis/models/elam.h"
 
 namespace tactbench::analysis {

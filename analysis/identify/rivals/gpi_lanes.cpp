@@ -4,7 +4,7 @@
 #include <limits>
 #include <map>
 
-#include "analysis/identify/vector_lanes.h"
+#include "analysis/identify/elam/vector_lanes.h"
 
 namespace tactbench::analysis {
 namespace {

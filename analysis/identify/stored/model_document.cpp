@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "analysis/identify/dynamic/dynamic_fit.h"
-#include "analysis/identify/elam/identify.h"
+#include "analysis/identify/elam/elam.h"
 #include "analysis/identify/residuals.h"
 #include "analysis/json_fields.h"
 #include "analysis/json_io.h"

@@ -9,7 +9,7 @@
 
 #include "analysis/report/report.h"
 #include "analysis/statistics/numbers/moments.h"
-#include "analysis/statistics/uncertainty/measuring_interval.h"
+#include "analysis/statistics/uncertainty/history_kind.h"
 
 namespace tactbench::analysis {
 

@@ -1,5 +1,5 @@
 // Traceability of a report's quantities, and warnings about instruments to print with the verdict. Certificates and
-// dates come from instrument_calibration.h.
+// dates come from instruments.h.
 #pragma once
 
 #include <span>

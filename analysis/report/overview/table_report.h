@@ -7,7 +7,7 @@
 #include "analysis/identify/histories.h"
 #include "analysis/report/document/document.h"
 #include "analysis/report/report.h"
-#include "analysis/statistics/scoring/model_score.h"
+#include "analysis/statistics/scoring/score.h"
 
 namespace tactbench::analysis {
 

@@ -102,11 +102,6 @@ std::optional<ExternalLoop> loop_of(const Dataset& dataset, const RepeatOptions&
 
 namespace {
 
-// Square of the standard deviation (n - 1).
-double repeats_variance(const std::vector<double>& values) {
-  return sum_of_squares_about(values, mean_by_shares(values)) / static_cast<double>(values.size() - 1);
-}
-
 void gather_repeatability(Behaviour& b, const Dataset& dataset, std::size_t width) {
   std::size_t most = 0;
   for (const SequenceData& data : dataset.sequences) most = std::max(most, data.repeats.size());
@@ -127,9 +122,9 @@ void gather_repeatability(Behaviour& b, const Dataset& dataset, std::size_t widt
         own.clear();
         for (const ExternalLoop& loop : loops)
           own.push_back((loop.*branch)[level * width + static_cast<std::size_t>(taxel)]);
-        sum += repeats_variance(own);
+        sum += sample_variance(own);
       }
-      return std::pair(std::sqrt(repeats_variance(mean)), std::sqrt(sum / static_cast<double>(b.taxels.size())));
+      return std::pair(std::sqrt(sample_variance(mean)), std::sqrt(sum / static_cast<double>(b.taxels.size())));
     };
     const auto [mean_up, taxel_up] = figures(&ExternalLoop::ascending);
     const auto [mean_down, taxel_down] = figures(&ExternalLoop::descending);

@@ -5,32 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/identify/sensor_model.h"
+#include "analysis/json_fields.h"
 #include "analysis/statistics/figures/levels.h"
-#include "analysis/statistics/figures/same_sensor.h"
-#include "analysis/statistics/figures/streams.h"
 
 namespace tactbench::analysis {
-
-void check_same_sensor(const Dataset& dataset, const SensorModel& fit) {
-  if (dataset.rows != fit.rows || dataset.columns != fit.columns ||
-      fit.array().size() != static_cast<std::size_t>(dataset.taxels()))
-    throw AnalysisError("TB-ANALYSIS-OTHER-SENSOR",
-                        fmt::format("run {} has {} x {} taxels, the models of run {} {} x {}", dataset.run,
-                                    dataset.rows, dataset.columns, fit.run, fit.rows, fit.columns),
-                        "use models of the same sensor");
-  if (dataset.sensor_serial != fit.sensor_serial || dataset.scanner_serial != fit.scanner_serial)
-    throw AnalysisError(
-        "TB-ANALYSIS-OTHER-SENSOR",
-        fmt::format("run {} is of sensor {} on scanner {}, the models of run {} are of {} on {}", dataset.run,
-                    or_not_stated(dataset.sensor_serial), or_not_stated(dataset.scanner_serial), fit.run,
-                    or_not_stated(fit.sensor_serial), or_not_stated(fit.scanner_serial)),
-        "a model is bound to sensor and scanner: fit a run of this pair");
-  if (dataset.origin != fit.origin)
-    throw AnalysisError(
-        "TB-ANALYSIS-ORIGIN",
-        fmt::format("run {} is {}, the models of run {} are {}", dataset.run, dataset.origin, fit.run, fit.origin),
-        "use models of the same origin as the run");
-}
 
 namespace {
 
@@ -88,12 +67,7 @@ Trace trace_of(const SequenceData& data, const CompensatedSequence& sequence, co
 
 Evaluation evaluate(const Dataset& measured, const SensorModel& fit, int threads) {
   check_same_sensor(measured, fit);
-  if (fit.falling) {
-    SensorModel rising = fit;
-    rising.falling = false;
-    return evaluate(as_modelled(measured, fit), rising, threads);
-  }
-  const Dataset& dataset = measured;
+  const Dataset dataset = as_modelled(measured, fit);
   const Fitted fitted(fit);
   if (fitted.taxels().empty())
     throw AnalysisError("TB-ANALYSIS-NO-TAXEL", fmt::format("the fit of run {} has no fitted taxel", fit.run),
@@ -102,7 +76,6 @@ Evaluation evaluate(const Dataset& measured, const SensorModel& fit, int threads
   Evaluation e;
   e.run = dataset.run;
   e.model_run = fit.run;
-  e.excluded_taxels = dataset.taxels() - static_cast<int>(fitted.taxels().size());
   gather_levels(e, streams, fitted);
   gather_errors(e, streams.errors);
   for (std::size_t s = 0; s < dataset.sequences.size(); ++s) {
@@ -111,6 +84,44 @@ Evaluation evaluate(const Dataset& measured, const SensorModel& fit, int threads
     e.traces.push_back(trace_of(data, streams.sequences[s], fit.mean_taxel(), fitted, fit.array().size()));
   }
   return e;
+}
+
+std::map<std::string, double> figures_of(const SensorModel& fit, const Evaluation& evaluation) {
+  std::map<std::string, double> figures = {{"hysteresis_max_percent_fs", 100.0 * evaluation.hysteresis_max_fs},
+                                           {"hysteresis_mean_percent_fs", 100.0 * evaluation.hysteresis_mean_fs},
+                                           JSON_FIELDS(evaluation, mean_error_psi, max_error_psi),
+                                           {"worst_taxel_error_psi", evaluation.worst_taxel_mean_error_psi},
+                                           {"distance_of_mean_percent_fs", 100.0 * evaluation.comp_distance_of_mean},
+                                           {"flat_percent", 100.0 * evaluation.flat_share},
+                                           {"full_scale_v", evaluation.full_scale_v}};
+  double noise_v = 0.0, zero_v = 0.0, fitted = 0.0;
+  ElamParameters sum{0.0, 0.0, 0.0, 0.0, 0.0};
+  for (const ModelTaxel& taxel : fit.array()) {
+    noise_v = std::max(noise_v, taxel.noise);
+    if (!taxel.fitted()) continue;
+    zero_v += taxel.y0();
+    fitted += 1.0;
+    const ElamModel* const elam = elam_of(taxel);
+    if (elam == nullptr) continue;
+    const ElamParameters& own = elam->parameters;
+    sum.alpha_d += own.alpha_d;
+    sum.beta_d += own.beta_d;
+    sum.alpha_a1 += own.alpha_a1;
+    sum.alpha_a0 += own.alpha_a0;
+    sum.beta_a += own.beta_a;
+  }
+  figures["noisiest_taxel_mv"] = 1000.0 * noise_v;
+  figures["zero_mv"] = 1000.0 * zero_v / fitted;
+  if (elam_of(fit.mean_taxel()) != nullptr) {
+    figures["elam_alpha_d"] = sum.alpha_d / fitted;
+    figures["elam_beta_d"] = sum.beta_d / fitted;
+    figures["elam_alpha_a1_per_psi"] = sum.alpha_a1 / fitted;
+    figures["elam_alpha_a0"] = sum.alpha_a0 / fitted;
+    figures["elam_beta_a"] = sum.beta_a / fitted;
+  }
+  figures["unfit_taxels"] = static_cast<double>(fit.array().size()) - fitted;
+  std::erase_if(figures, [](const auto& figure) { return !std::isfinite(figure.second); });
+  return figures;
 }
 
 }  // namespace tactbench::analysis

@@ -1,7 +1,9 @@
 // Figures of one run, raw and compensated: hysteresis error (paper 2.1), std/FS and up/down distance per level
-// (Tables 6, 7), compensation error, verdicts' raw material. Shared by fit, report and tests.
+// (Tables 6, 7), compensation error, verdicts' raw material. Shared by fit, report and tests. And those of them that
+// the nightly suite, trends and control charts track from run to run.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -57,7 +59,6 @@ struct Evaluation {
   std::vector<double> taxel_mean_error_psi;  // taxels; NaN where not fitted
   std::vector<Trace> traces;
   int frames = 0;
-  int excluded_taxels = 0;  // not fitted: left out of every figure above, raw ones too
 };
 
 // Compensates every stored frame of every repeat of `dataset` in time order with `fit` (made on the same or another
@@ -65,5 +66,9 @@ struct Evaluation {
 // Throws AnalysisError TB-ANALYSIS-OTHER-SENSOR when sensor, scanner or geometry differ, TB-ANALYSIS-ORIGIN when
 // origins mix.
 Evaluation evaluate(const Dataset& dataset, const SensorModel& fit, int threads = 0);
+
+// By name, with the unit in it. `evaluation` is what was judged; parameters are means over the fitted taxels. A figure
+// that is not finite is left out.
+std::map<std::string, double> figures_of(const SensorModel& fit, const Evaluation& evaluation);
 
 }  // namespace tactbench::analysis

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "analysis/statistics/figures/levels.h"
-#include "analysis/statistics/figures/streams.h"
 
 namespace tactbench::analysis {
 namespace {
@@ -81,11 +80,8 @@ double correction_at(const LevelCorrections& corrections, const SensorModel& fit
     const double own = corrections[((up ? 0 : grid.size()) + level) * fit.array().size() + taxel];
     return std::isnan(own) ? 0.0 : own;
   };
-  const auto above = static_cast<std::size_t>(std::ranges::lower_bound(grid, pressure_psi) - grid.begin());
-  if (above == 0 || std::isnan(pressure_psi)) return value(0);
-  if (above == grid.size()) return value(grid.size() - 1);
-  const double share = (pressure_psi - grid[above - 1]) / (grid[above] - grid[above - 1]);
-  return std::lerp(value(above - 1), value(above), share);
+  const Between at = place_among(grid, pressure_psi);
+  return std::lerp(value(at.low), value(at.high), at.share);
 }
 
 FrameErrors frame_errors(const Dataset& run, const SensorModel& fit, int threads) {

@@ -53,6 +53,8 @@ struct SweepEstimates {
                static_cast<std::size_t>(taxel)];
   }
   [[nodiscard]] double mean(std::size_t level, int taxel) const;  // over the sweeps
+  // The place of a level, within 0.05 psi; none: their number.
+  [[nodiscard]] std::size_t level(double pressure) const;
 };
 
 // Every frame of every repeat in time order through the compensator; sweeps from the lowest to the highest set-point of

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <stdexcept>
 
 namespace tactbench::analysis {
 
@@ -19,13 +20,6 @@ double mean_of(std::span<const double> values) {
   double sum = 0.0;
   for (const double value : values) sum += value;
   return values.empty() ? kNan : sum / static_cast<double>(values.size());
-}
-
-double mean_by_shares(std::span<const double> values) {
-  const auto n = static_cast<double>(values.size());
-  double mean = 0.0;
-  for (const double value : values) mean += value / n;
-  return values.empty() ? kNan : mean;
 }
 
 double sum_of_squares_about(std::span<const double> values, double centre) {
@@ -63,25 +57,24 @@ double quantile_between(std::span<const double> sorted, double share) {
   return sorted[low] + (next - sorted[low]) * (place - static_cast<double>(low));
 }
 
+Between place_among(std::span<const double> rising, double at) {
+  const auto above = static_cast<std::size_t>(std::ranges::lower_bound(rising, at) - rising.begin());
+  if (above == 0) return {};
+  if (above == rising.size()) return {above - 1, above - 1, 0.0};
+  return {above - 1, above, (at - rising[above - 1]) / (rising[above] - rising[above - 1])};
+}
+
 double LineFit::correlation() const { return xx > 0.0 && yy > 0.0 ? xy / std::sqrt(xx * yy) : 0.0; }
 
-LineFit line_fit(std::span<const double> x, std::span<const double> y, double mean_x, double mean_y) {
-  LineFit line{mean_x, mean_y};
+LineFit line_fit(std::span<const double> x, std::span<const double> y) {
+  LineFit line{mean_of(x), mean_of(y)};
   for (std::size_t i = 0; i < x.size(); ++i) {
-    const double dx = x[i] - mean_x, dy = y[i] - mean_y;
+    const double dx = x[i] - line.mean_x, dy = y[i] - line.mean_y;
     line.xx += dx * dx;
     line.yy += dy * dy;
     line.xy += dx * dy;
   }
   return line;
-}
-
-LineFit line_fit(std::span<const double> x, std::span<const double> y) {
-  return line_fit(x, y, mean_of(x), mean_of(y));
-}
-
-LineFit line_fit_by_shares(std::span<const double> x, std::span<const double> y) {
-  return line_fit(x, y, mean_by_shares(x), mean_by_shares(y));
 }
 
 double residual_sum_of_squares(const LineFit& line, std::span<const double> x, std::span<const double> y) {
@@ -92,6 +85,33 @@ double residual_sum_of_squares(const LineFit& line, std::span<const double> x, s
     squares += off * off;
   }
   return squares;
+}
+
+GroupedScatter grouped_scatter(std::span<const std::vector<double>> groups) {
+  GroupedScatter out;
+  double all = 0.0, squares_within = 0.0, squares_between = 0.0, n_squares = 0.0;
+  for (const std::vector<double>& own : groups) {
+    if (own.empty()) continue;
+    const auto n = static_cast<double>(own.size());
+    out.groups += 1.0;
+    out.readings += n;
+    n_squares += n * n;
+    for (const double value : own) all += value;
+  }
+  all /= out.readings;
+  for (const std::vector<double>& own : groups) {
+    if (own.empty()) continue;
+    const double mean = mean_of(own);
+    squares_within += sum_of_squares_about(own, mean);
+    squares_between += static_cast<double>(own.size()) * (mean - all) * (mean - all);
+  }
+  out.within_dof = out.readings - out.groups;
+  out.between_dof = out.groups - 1.0;
+  if (out.within_dof > 0.0) out.within = squares_within / out.within_dof;
+  if (!(out.between_dof > 0.0)) return out;
+  const double size = (out.readings - n_squares / out.readings) / out.between_dof;  // of a group, where they differ
+  out.between = std::max(0.0, (squares_between / out.between_dof - out.within) / size);
+  return out;
 }
 
 PooledScatter pooled_scatter(std::span<const std::vector<double>> rows) {
@@ -133,6 +153,26 @@ double student_two_sided(double t, double degrees_of_freedom) {
   if (std::isinf(degrees_of_freedom))
     return 2.0 * boost::math::cdf(boost::math::complement(boost::math::normal(), std::abs(t)));
   return 2.0 * boost::math::cdf(boost::math::complement(boost::math::students_t(degrees_of_freedom), std::abs(t)));
+}
+
+double coverage_factor(double dof, double probability) {
+  if (!(dof >= 1.0) || !(probability > 0.0 && probability < 1.0))
+    throw std::invalid_argument("a coverage factor needs one degree of freedom or more and a probability within 0..1");
+  return student_quantile(0.5 + 0.5 * probability, std::floor(dof + 1e-9));
+}
+
+double combined_uncertainty(std::span<const VarianceShare> shares) {
+  double sum = 0.0;
+  for (const VarianceShare& share : shares) sum += share.u * share.u;
+  return std::sqrt(sum);
+}
+
+double effective_dof(std::span<const VarianceShare> shares) {
+  const double combined = combined_uncertainty(shares);
+  double sum = 0.0;
+  for (const VarianceShare& share : shares)
+    if (std::isfinite(share.dof) && share.u > 0.0 && combined > 0.0) sum += std::pow(share.u / combined, 4) / share.dof;
+  return sum > 0.0 ? 1.0 / sum : kInfiniteDof;
 }
 
 }  // namespace tactbench::analysis

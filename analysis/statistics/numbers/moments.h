@@ -1,5 +1,6 @@
-// Means, deviations, quantiles and least-squares lines of lists of numbers. Each sums from the first value to the last,
-// so that stored and printed figures are bit-identical wherever they are computed.
+// Means, deviations, quantiles and least-squares lines of lists of numbers, Student's distribution and coverage
+// factors. Sums go from the first value to the last, so that stored and printed figures are bit-identical wherever they
+// are computed.
 #pragma once
 
 #include <cstddef>
@@ -14,8 +15,6 @@ inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();  // a f
 std::vector<double> finite_of(std::span<const double> values);  // those that are, in their order
 
 double mean_of(std::span<const double> values);  // sum / n; NaN when empty
-// Sum of value / n, which rounds differently from mean_of(): for figures that were first stored that way.
-double mean_by_shares(std::span<const double> values);  // NaN when empty
 // Of the values that `chosen` names by their places, e.g. some taxels of a frame; NaN when there are none.
 template <class Place>
 double mean_of_chosen(std::span<const double> values, std::span<const Place> chosen) {
@@ -37,6 +36,14 @@ double quantile_of(std::vector<double> values, double share);
 // Linear between the values on both sides of share * (n - 1). Values sorted, not empty.
 double quantile_between(std::span<const double> sorted, double share);
 
+// Where a value lies among rising ones: `share` of the way from one place to the next; at an end what lies beyond it,
+// and NaN at the first. Of one value at least.
+struct Between {
+  std::size_t low = 0, high = 0;
+  double share = 0.0;
+};
+Between place_among(std::span<const double> rising, double at);
+
 // Least squares of y over x: sums of squares and products about the means.
 struct LineFit {
   double mean_x = kNan, mean_y = kNan;
@@ -45,12 +52,17 @@ struct LineFit {
   [[nodiscard]] double at_zero() const { return mean_y - slope() * mean_x; }
   [[nodiscard]] double correlation() const;  // Pearson's; 0 when x or y is constant
 };
-// x and y equally long. Means by mean_of(), or as given (mean_by_shares()).
-LineFit line_fit(std::span<const double> x, std::span<const double> y);
-LineFit line_fit(std::span<const double> x, std::span<const double> y, double mean_x, double mean_y);
-LineFit line_fit_by_shares(std::span<const double> x, std::span<const double> y);  // means by mean_by_shares()
+LineFit line_fit(std::span<const double> x, std::span<const double> y);  // equally long
 // Sum of the squared residuals of the line.
 double residual_sum_of_squares(const LineFit& line, std::span<const double> x, std::span<const double> y);
+
+// One-way analysis of variance (JCGM 100, H.5.2) of readings in groups of unequal size; empty groups are none.
+struct GroupedScatter {
+  double within = 0.0, within_dof = 0.0;    // variance, degrees of freedom; 0 of one reading a group
+  double between = 0.0, between_dof = 0.0;  // of the groups' effect, what `within` explains taken off, not below 0
+  double groups = 0.0, readings = 0.0;
+};
+GroupedScatter grouped_scatter(std::span<const std::vector<double>> groups);
 
 // Scatter of a mean from few repetitions, pooled over what the mean is taken of (JCGM 100, H.3.6, 4.2.4 note; G.4.1).
 
@@ -76,5 +88,23 @@ PooledScatter pooled_scatter(std::span<const std::vector<double>> rows);
 double student_quantile(double probability, double degrees_of_freedom);
 // P(|T| >= |t|), degrees of freedom > 0. NaN otherwise.
 double student_two_sided(double t, double degrees_of_freedom);
+
+// JCGM 100, Table G.2 and 6.3.3: k = 2 for infinitely many degrees of freedom.
+inline constexpr double kCoverageProbability = 0.954499736103642;
+inline constexpr double kInfiniteDof = std::numeric_limits<double>::infinity();
+
+// t_p(dof) with P(|T| <= t) = `probability` (0..1, both excluded). dof is cut to a whole number (G.4.1), infinity gives
+// the normal distribution's factor. Throws std::invalid_argument for dof below 1 or another probability.
+double coverage_factor(double dof, double probability = kCoverageProbability);
+
+// One share of a combined variance: |c| u(x), and its degrees of freedom.
+struct VarianceShare {
+  double u = 0.0;
+  double dof = kInfiniteDof;
+};
+// JCGM 100, Eq. (10) without correlations.
+double combined_uncertainty(std::span<const VarianceShare> shares);
+// Welch-Satterthwaite, JCGM 100 Eq. (G.2b); infinite when no share has a finite number.
+double effective_dof(std::span<const VarianceShare> shares);
 
 }  // namespace tactbench::analysis

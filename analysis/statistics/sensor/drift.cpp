@@ -6,9 +6,9 @@
 #include <cmath>
 #include <optional>
 
-#include "analysis/identify/dynamic/dynamic_residuals.h"
+#include "analysis/identify/dynamic/dynamic_fit.h"
 #include "analysis/statistics/numbers/moments.h"
-#include "analysis/statistics/scoring/model_score.h"
+#include "analysis/statistics/scoring/score.h"
 
 namespace tactbench::analysis {
 namespace {
@@ -44,7 +44,7 @@ double mean_residual(const Pairs& pairs, double zero, double gain) {
 
 TaxelDrift drift_of_taxel(const ModelTaxel& taxel, const Pairs& pairs) {
   const auto n = static_cast<double>(pairs.model.size());
-  const LineFit line = line_fit_by_shares(pairs.model, pairs.measured);
+  const LineFit line = line_fit(pairs.model, pairs.measured);
   const double m = line.mean_x, y = line.mean_y;
   const HysteresisModel& own = *taxel.fit.model;
   const bool covered = pairs.x_high - pairs.x_low >= kLeastCover * (own.x_high() - own.x_low()) && line.xx > 0.0;

@@ -84,7 +84,7 @@ double line_correlation(const LineFrame& x, int a, const LineFrame& y, int b) {
     of_x.push_back(x.at(a, i));
     of_y.push_back(y.at(b, i));
   }
-  return of_x.size() < kLeastSwapLength ? 0.0 : line_fit_by_shares(of_x, of_y).correlation();
+  return of_x.size() < kLeastSwapLength ? 0.0 : line_fit(of_x, of_y).correlation();
 }
 
 }  // namespace

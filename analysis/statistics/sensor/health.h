@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "analysis/dataset.h"
+#include "analysis/identify/histories.h"
 #include "analysis/identify/sensor_model.h"
-#include "analysis/identify/taxel_status.h"
 
 namespace tactbench::analysis {
 

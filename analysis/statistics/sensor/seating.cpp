@@ -45,18 +45,18 @@ double relative_spread(const std::vector<double>& values, const std::vector<bool
 
 // Turn, mirror, another pattern. False where the last seating's taxels may not be compared one by one.
 bool compare_pattern(int rows, int columns, const std::vector<double>& now, const std::vector<double>& before,
-                     const SeatingOptions& options, SeatingResult& result) {
+                     SeatingResult& result) {
   constexpr std::ptrdiff_t kFewestTaxels = 16;  // by chance alone, fewer taxels resemble each other
-  const std::vector<bool> use_now = answering(now, options.least_response_v);
-  const std::vector<bool> use_before = answering(before, options.least_response_v);
+  const std::vector<bool> use_now = answering(now, kSeating.least_response_v);
+  const std::vector<bool> use_before = answering(before, kSeating.least_response_v);
   if (std::count(use_now.begin(), use_now.end(), true) < kFewestTaxels) return true;
-  if (relative_spread(before, use_before) < options.least_spread) return true;
+  if (relative_spread(before, use_before) < kSeating.least_spread) return true;
   const auto fits = compare_positions(rows, columns, now, before, use_now, use_before);
   const double identity = fits.front().correlation;
   result.correlation = identity;
   const auto best = std::max_element(fits.begin() + 1, fits.end(),
                                      [](const auto& a, const auto& b) { return a.correlation < b.correlation; });
-  if (best->correlation >= options.turn_correlation && best->correlation > identity + options.turn_margin) {
+  if (best->correlation >= kSeating.turn_correlation && best->correlation > identity + kSeating.turn_margin) {
     result.findings.push_back(
         {"turned",
          "fail",
@@ -67,8 +67,8 @@ bool compare_pattern(int rows, int columns, const std::vector<double>& now, cons
                      best->name, best->correlation, identity)});
     return false;
   }
-  if (identity >= options.correlation_warning) return true;
-  const bool fail = identity < options.correlation_fail;
+  if (identity >= kSeating.correlation_warning) return true;
+  const bool fail = identity < kSeating.correlation_fail;
   result.findings.push_back({"deviation",
                              fail ? "fail" : "warning",
                              {},
@@ -76,11 +76,11 @@ bool compare_pattern(int rows, int columns, const std::vector<double>& now, cons
                              fmt::format("the pattern of responses resembles the last seating's with a correlation of "
                                          "{:.2f} only{}",
                                          identity, fail ? ": another sensor, or a different mount" : "")});
-  return identity >= options.lines_correlation;
+  return identity >= kSeating.lines_correlation;
 }
 
 void compare_mean(const std::vector<double>& now, const std::vector<double>& before, const std::vector<bool>& leave_out,
-                  const SeatingOptions& options, SeatingResult& result) {
+                  SeatingResult& result) {
   double sum_now = 0.0, sum_before = 0.0;
   for (std::size_t i = 0; i < now.size(); ++i) {
     if (leave_out[i]) continue;
@@ -90,28 +90,28 @@ void compare_mean(const std::vector<double>& now, const std::vector<double>& bef
   if (!(sum_before > 0.0)) return;
   result.mean_ratio = sum_now / sum_before;
   const double off = std::abs(*result.mean_ratio - 1.0);
-  if (off <= options.mean_warning) return;
+  if (off <= kSeating.mean_warning) return;
   result.findings.push_back(
       {"deviation",
-       off > options.mean_fail ? "fail" : "warning",
+       off > kSeating.mean_fail ? "fail" : "warning",
        {},
        {},
        fmt::format("the mean response is {:.0f} % of the last seating's", 100.0 * *result.mean_ratio)});
 }
 
 void count_dead(int columns, const std::vector<double>& now, const SeatingTaxels& taxels, const std::vector<bool>& lost,
-                const SeatingOptions& options, SeatingResult& result) {
+                SeatingResult& result) {
   SeatingFinding finding{"dead-taxels", "warning", {}, {}, ""};
   std::vector<std::string> names;
   for (std::size_t i = 0; i < now.size(); ++i) {
-    if (lost[i] || std::abs(now[i]) >= options.least_response_v) continue;
+    if (lost[i] || std::abs(now[i]) >= kSeating.least_response_v) continue;
     result.dead_taxels.push_back(static_cast<int>(i));
     if (taxels.known_dead[i]) continue;
     finding.rows.push_back(static_cast<int>(i) / columns);
     finding.columns.push_back(static_cast<int>(i) % columns);
     names.push_back(fmt::format("({}, {})", finding.rows.back(), finding.columns.back()));
   }
-  if (static_cast<double>(names.size()) <= options.dead_taxels_share * static_cast<double>(now.size())) return;
+  if (static_cast<double>(names.size()) <= kSeating.dead_taxels_share * static_cast<double>(now.size())) return;
   finding.text = fmt::format("{}: (row, column) {}",
                              counted(names.size(), "single taxel does not answer", "single taxels do not answer"),
                              fmt::join(names, " "));
@@ -120,15 +120,14 @@ void count_dead(int columns, const std::vector<double>& now, const SeatingTaxels
 
 }  // namespace
 
-SeatingResult check_seating(int rows, int columns, const SeatingFrames& now, const std::optional<SeatingFrames>& last,
-                            const SeatingOptions& options) {
+SeatingResult check_seating(int rows, int columns, const SeatingFrames& now, const std::optional<SeatingFrames>& last) {
   const auto taxels = static_cast<std::size_t>(std::max(0, rows)) * static_cast<std::size_t>(std::max(0, columns));
   if (taxels == 0) throw std::invalid_argument("check_seating: no taxels");
   const std::vector<double> response = response_of(now, taxels);
   const std::vector<double> before = last ? response_of(*last, taxels) : std::vector<double>();
   SeatingResult result;
   result.mean_response_v = mean_of(response);
-  if (quantile_of(response, 0.9) < options.least_array_v) {
+  if (quantile_of(response, 0.9) < kSeating.least_array_v) {
     result.verdict = "fail";
     result.findings = {{"no-response",
                         "fail",
@@ -139,22 +138,22 @@ SeatingResult check_seating(int rows, int columns, const SeatingFrames& now, con
     return result;
   }
   SeatingTaxels parts{rows, columns, response, now.loaded_v, {}, std::vector<bool>(taxels, false), {}, {}};
-  find_open_lines(parts, options.least_response_v);
+  find_open_lines(parts, kSeating.least_response_v);
   if (last) {
-    const std::vector<bool> answered = answering(before, options.least_response_v);
+    const std::vector<bool> answered = answering(before, kSeating.least_response_v);
     for (std::size_t i = 0; i < taxels; ++i) parts.known_dead[i] = !answered[i];
-    if (compare_pattern(rows, columns, response, before, options, result)) parts.before_v = before;
+    if (compare_pattern(rows, columns, response, before, result)) parts.before_v = before;
   }
   std::vector<bool> lost(taxels, false);
   for (const bool along_rows : {true, false}) {
-    for (SeatingFinding& finding : check_lines(parts, along_rows, options, lost)) {
+    for (SeatingFinding& finding : check_lines(parts, along_rows, lost)) {
       result.findings.push_back(std::move(finding));
     }
   }
-  if (last && std::abs(last->pressure_psi - now.pressure_psi) <= options.same_pressure_psi) {
-    compare_mean(response, before, lost, options, result);
+  if (last && std::abs(last->pressure_psi - now.pressure_psi) <= kSeating.same_pressure_psi) {
+    compare_mean(response, before, lost, result);
   }
-  count_dead(columns, response, parts, lost, options, result);
+  count_dead(columns, response, parts, lost, result);
   for (const SeatingFinding& finding : result.findings) {
     if (finding.verdict == "fail" || result.verdict == "pass") result.verdict = finding.verdict;
   }
@@ -162,23 +161,6 @@ SeatingResult check_seating(int rows, int columns, const SeatingFrames& now, con
 }
 
 namespace {
-
-// Sums of Pearson's coefficient.
-struct PairSums {
-  double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, yy = 0.0, xy = 0.0;
-  void add(double a, double b) {
-    n += 1.0;
-    x += a;
-    y += b;
-    xx += a * a;
-    yy += b * b;
-    xy += a * b;
-  }
-  [[nodiscard]] double correlation() const {
-    const double spread = (xx - x * x / n) * (yy - y * y / n);
-    return n < 3.0 || !(spread > 0.0) ? 0.0 : (xy - x * y / n) / std::sqrt(spread);
-  }
-};
 
 // Transposed first, then rows and columns turned round: all eight symmetries of the square. Said from the sensor's
 // side: what was done to it since the last seating.
@@ -204,7 +186,7 @@ std::vector<SeatingPosition> compare_positions(int rows, int columns, std::span<
   std::vector<SeatingPosition> fits;
   for (const Position& position : kPositions) {
     if (position.transposed && rows != columns) continue;
-    PairSums pairs;
+    std::vector<double> is_now, was_before;
     for (int r = 0; r < rows; ++r) {
       for (int c = 0; c < columns; ++c) {  // a taxel of the last seating, and where it would lie now
         int row = position.transposed ? c : r;
@@ -213,10 +195,12 @@ std::vector<SeatingPosition> compare_positions(int rows, int columns, std::span<
         if (position.columns_reversed) column = columns - 1 - column;
         const auto was = static_cast<std::size_t>(r * columns + c);
         const auto is = static_cast<std::size_t>(row * columns + column);
-        if (use_now[is] && use_before[was]) pairs.add(now[is], before[was]);
+        if (!use_now[is] || !use_before[was]) continue;
+        is_now.push_back(now[is]);
+        was_before.push_back(before[was]);
       }
     }
-    fits.push_back({position.name, pairs.correlation()});
+    fits.push_back({position.name, is_now.size() < 3 ? 0.0 : line_fit(is_now, was_before).correlation()});
   }
   return fits;
 }
@@ -233,8 +217,7 @@ struct Line {
 
 class LineSearch {
  public:
-  LineSearch(const SeatingTaxels& taxels, bool along_rows, const SeatingOptions& options)
-      : taxels_(taxels), along_rows_(along_rows), options_(options) {
+  LineSearch(const SeatingTaxels& taxels, bool along_rows) : taxels_(taxels), along_rows_(along_rows) {
     const int count = along_rows ? taxels.rows : taxels.columns;
     std::vector<double> answers;
     for (int i = 0; i < count; ++i) {
@@ -251,11 +234,11 @@ class LineSearch {
       line.judged = 4.0 * used >= static_cast<double>(members(i).size());
       line.mean_v = now_sum / std::max(used, 1.0);
       line.loaded_v = loaded_sum / std::max(used, 1.0);
-      line.level = now_sum / std::max(before_sum, options.least_response_v);
-      if (line.judged && line.mean_v >= options.least_array_v) answers.push_back(line.mean_v);
+      line.level = now_sum / std::max(before_sum, kSeating.least_response_v);
+      if (line.judged && line.mean_v >= kSeating.least_array_v) answers.push_back(line.mean_v);
     }
     usual_v_ = answers.empty() ? 0.0 : quantile_of(answers, 0.75);
-    const double bound = options.dead_line_share * usual_v_;
+    const double bound = kSeating.dead_line_share * usual_v_;
     std::vector<double> living;
     for (Line& line : lines_) {
       line.dead = line.judged && line.mean_v < bound;
@@ -314,8 +297,8 @@ class LineSearch {
   // Lines from an edge that rise toward the others; 0 where none answers at all: that is no membrane.
   template <typename FromEdge>
   int fall_off(const FromEdge& from_edge) {
-    const double share = compares() ? options_.edge_share : options_.edge_share_alone;
-    const double reach_share = compares() ? options_.edge_reach_share : options_.edge_reach_share_alone;
+    const double share = compares() ? kSeating.edge_share : kSeating.edge_share_alone;
+    const double reach_share = compares() ? kSeating.edge_reach_share : kSeating.edge_reach_share_alone;
     constexpr double kUneven = 0.05;  // a step back that noise and re-mounting may cause
     const int most = static_cast<int>(lines_.size()) / 2;
     if (most < 2 || at(from_edge(0)).level >= share) return 0;
@@ -323,7 +306,7 @@ class LineSearch {
     bool graded = false;
     while (reach < most && at(from_edge(reach)).level < reach_share) {
       if (reach > 0 && at(from_edge(reach)).level < at(from_edge(reach - 1)).level - kUneven) break;
-      graded = graded || at(from_edge(reach)).mean_v >= options_.edge_least_share * usual_v_;
+      graded = graded || at(from_edge(reach)).mean_v >= kSeating.edge_least_share * usual_v_;
       ++reach;
     }
     return graded ? reach : 0;
@@ -351,7 +334,7 @@ class LineSearch {
     std::vector<double> volts;
     for (const int i : which) volts.push_back(at(i).loaded_v);
     const auto [low, high] = std::minmax_element(volts.begin(), volts.end());
-    if (*high - *low < options_.least_array_v) return fmt::format("at {:.2f} V", *low);
+    if (*high - *low < kSeating.least_array_v) return fmt::format("at {:.2f} V", *low);
     return fmt::format("between {:.2f} and {:.2f} V", *low, *high);
   }
 
@@ -379,7 +362,6 @@ class LineSearch {
 
   const SeatingTaxels& taxels_;
   bool along_rows_;
-  const SeatingOptions& options_;
   std::vector<Line> lines_;
   double usual_v_ = 0.0;  // of lines that answer
 };
@@ -399,9 +381,8 @@ void find_open_lines(SeatingTaxels& taxels, double least_v) {
   for (const int silent : in_column) taxels.open_columns.push_back(kOf * silent >= (kOf - 1) * taxels.rows);
 }
 
-std::vector<SeatingFinding> check_lines(const SeatingTaxels& taxels, bool along_rows, const SeatingOptions& options,
-                                        std::vector<bool>& lost) {
-  return LineSearch(taxels, along_rows, options).findings(lost);
+std::vector<SeatingFinding> check_lines(const SeatingTaxels& taxels, bool along_rows, std::vector<bool>& lost) {
+  return LineSearch(taxels, along_rows).findings(lost);
 }
 
 }  // namespace tactbench::analysis

@@ -13,7 +13,7 @@ namespace tactbench::analysis {
 // bowl and a tilt. Over 200 arrays the weakest line had 0.19 of the upper quartile of lines, the weakest edge 0.23 of
 // the median line, and a re-mounted array correlated with itself by 0.97 and more (local pressure changed by 10 %),
 // with a turned or mirrored image of itself by 0.53 at most. Not verified on hardware.
-struct SeatingOptions {
+struct SeatingBounds {
   double least_response_v = 0.01;   // a taxel below is dead: six times the noise of two frames of two scans
   double least_array_v = 0.02;      // the better lines' mean below: nothing answers
   double dead_line_share = 0.08;    // of the upper quartile of the lines' means; open lines still see some crosstalk
@@ -32,6 +32,7 @@ struct SeatingOptions {
   double mean_warning = 0.2, mean_fail = 0.5;
   double same_pressure_psi = 0.5;  // means are compared only within this
 };
+inline constexpr SeatingBounds kSeating;
 
 struct SeatingFrames {
   double pressure_psi = 0.0;                 // of the loaded frame, measured
@@ -56,8 +57,7 @@ struct SeatingResult {
 
 // `last`: the frames of the last good seating; taxels dead there are known and found no more. Throws
 // std::invalid_argument when a frame does not have rows x columns values.
-SeatingResult check_seating(int rows, int columns, const SeatingFrames& now, const std::optional<SeatingFrames>& last,
-                            const SeatingOptions& options = {});
+SeatingResult check_seating(int rows, int columns, const SeatingFrames& now, const std::optional<SeatingFrames>& last);
 
 // Parts of it, seating.cpp: how well `now` fits `before` in each of the positions that the shape allows (8 of a
 // square, 4 of a rectangle), the taxels where `use` is true alone; the first position is the identity.
@@ -83,7 +83,6 @@ void find_open_lines(SeatingTaxels& taxels, double least_v);
 
 // Dead lines, half-inserted connectors, edges outside the membrane, along one axis. `lost` is set for the taxels of
 // the lines found.
-std::vector<SeatingFinding> check_lines(const SeatingTaxels& taxels, bool along_rows, const SeatingOptions& options,
-                                        std::vector<bool>& lost);
+std::vector<SeatingFinding> check_lines(const SeatingTaxels& taxels, bool along_rows, std::vector<bool>& lost);
 
 }  // namespace tactbench::analysis

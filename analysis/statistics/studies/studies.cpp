@@ -4,9 +4,10 @@
 #include <cmath>
 #include <map>
 
+#include "analysis/identify/sensor_model.h"
 #include "analysis/statistics/figures/evaluation.h"
+#include "analysis/statistics/figures/history_errors.h"
 #include "analysis/statistics/figures/levels.h"
-#include "analysis/statistics/figures/same_sensor.h"
 
 namespace tactbench::analysis {
 namespace {
@@ -42,25 +43,26 @@ std::vector<RateHoldRun> rate_hold_of(const Dataset& measured, const SensorModel
   check_same_sensor(measured, fit);
   const Dataset dataset = as_modelled(measured, fit);
   const Fitted fitted(fit);
-  const std::size_t width = fitted.width();
-  // Scores of each taxel and sequence, added up afterwards in the taxels' order.
-  std::vector<std::vector<Score>> scores(width, std::vector<Score>(dataset.sequences.size()));
-  compensate_in_order(dataset, fit, threads, [&](std::size_t taxel) {
-    return [&, taxel](std::size_t s, std::size_t r, std::size_t i, const Compensated& compensated) {
-      const std::vector<Sample>& steps = dataset.sequences[s].repeats[r].steps;
-      const Sample& now = steps[i];
-      const double off = std::abs(compensated.pressure_psi - now.reference_psi);
-      const double passed = i > 0 ? now.time_s - steps[i - 1].time_s : 0.0;
-      const double rate = passed > 0.0 ? std::abs(now.reference_psi - steps[i - 1].reference_psi) / passed : 0.0;
+  const FrameErrors errors = frame_errors(dataset, fit, threads);
+  std::vector<Score> sums(dataset.sequences.size());
+  for (const std::size_t taxel : fitted.taxels()) {
+    std::vector<Score> own(sums.size());
+    for (std::size_t at = 0; at < errors.frames.size(); ++at) {
+      const FrameErrors::Frame& frame = errors.frames[at];
+      const std::vector<Sample>& steps = dataset.sequences[frame.sequence].repeats[frame.repeat].steps;
+      const std::size_t i = frame.step;
+      const double passed = i > 0 ? steps[i].time_s - steps[i - 1].time_s : 0.0;
+      const double rate = passed > 0.0 ? std::abs(frame.reference_psi - steps[i - 1].reference_psi) / passed : 0.0;
       // A level that is held has no rate but noise.
-      const bool moved = i > 0 && now.setpoint_psi != steps[i - 1].setpoint_psi;
-      scores[taxel][s].add_sample(off, now.held_s, moved ? rate : 0.0);
-    };
-  });
+      const bool moved = i > 0 && frame.setpoint_psi != steps[i - 1].setpoint_psi;
+      own[frame.sequence].add_sample(std::abs(errors.error_psi[at * fitted.width() + taxel]), steps[i].held_s,
+                                     moved ? rate : 0.0);
+    }
+    for (std::size_t s = 0; s < sums.size(); ++s) sums[s].add(own[s]);
+  }
   std::vector<RateHoldRun> runs;
   for (std::size_t s = 0; s < dataset.sequences.size(); ++s) {
-    Score sum;
-    for (const std::vector<Score>& own : scores) sum.add(own[s]);
+    const Score& sum = sums[s];
     RateHoldRun run{dataset.run, dataset.sequences[s].name, sum.compensated, sum.by_hold, sum.by_rate, 0.0, 0.0};
     compare_paces(dataset.sequences[s], fitted, fit.full_scale_v(), run);
     runs.push_back(std::move(run));
@@ -70,39 +72,8 @@ std::vector<RateHoldRun> rate_hold_of(const Dataset& measured, const SensorModel
 
 namespace {
 
-constexpr double kMountLevelPsi = 0.05;  // levels this near are the same
 constexpr double kLowestMountPsi = 0.5;
 constexpr double kShareFrom = 0.1;  // of the highest level: shares of less say more of the zero than of the mount
-
-std::size_t level_of(const SweepEstimates& estimates, double pressure) {
-  const auto found = std::ranges::find_if(estimates.pressure_psi,
-                                          [&](double level) { return std::abs(level - pressure) < kMountLevelPsi; });
-  return static_cast<std::size_t>(found - estimates.pressure_psi.begin());
-}
-
-// One-way analysis of variance with groups of unequal size: variances within, and between beyond it.
-struct TwoVariances {
-  double within = kNan, between = kNan;
-};
-TwoVariances variances_of(const std::vector<std::vector<double>>& groups) {
-  double all = 0.0, n = 0.0, n_squares = 0.0, squares_within = 0.0, squares_between = 0.0;
-  for (const std::vector<double>& group : groups) {
-    for (const double value : group) all += value;
-    n += static_cast<double>(group.size());
-    n_squares += static_cast<double>(group.size() * group.size());
-  }
-  all /= n;
-  const auto k = static_cast<double>(groups.size());
-  for (const std::vector<double>& group : groups) {
-    const double mean = mean_of(group);
-    squares_between += static_cast<double>(group.size()) * (mean - all) * (mean - all);
-    for (const double value : group) squares_within += (value - mean) * (value - mean);
-  }
-  if (k < 2.0) return {};
-  const double within = n > k ? squares_within / (n - k) : 0.0;
-  const double size = (n - n_squares / n) / (k - 1.0);  // of a group, where they differ
-  return {within, std::max(0.0, (squares_between / (k - 1.0) - within) / size)};
-}
 
 struct LevelOfMounts {
   double within_psi, between_psi, mean_between_psi;
@@ -121,14 +92,14 @@ LevelOfMounts level_of_mounts(std::span<const MountedRun> mounts, double pressur
     bool finite = true;
     for (std::size_t m = 0; m < mounts.size(); ++m) {
       const SweepEstimates& own = mounts[m].estimates;
-      const std::size_t level = level_of(own, pressure);
+      const std::size_t level = own.level(pressure);
       for (int sweep = 0; sweep < own.sweeps; ++sweep) {
         groups[m].push_back(own.at(level, sweep, static_cast<int>(taxel)));
         finite = finite && std::isfinite(groups[m].back());
       }
     }
     if (!finite) continue;
-    const TwoVariances variances = variances_of(groups);
+    const GroupedScatter variances = grouped_scatter(groups);
     out.within_psi += variances.within;
     out.between_psi += variances.between;
     out.taxel_between[taxel] = variances.between;
@@ -138,7 +109,7 @@ LevelOfMounts level_of_mounts(std::span<const MountedRun> mounts, double pressur
   }
   out.within_psi = std::sqrt(out.within_psi / count);
   out.between_psi = std::sqrt(out.between_psi / count);
-  out.mean_between_psi = std::sqrt(variances_of(mean).between) / count;
+  out.mean_between_psi = std::sqrt(grouped_scatter(mean).between) / count;
   return out;
 }
 
@@ -150,7 +121,7 @@ Remount remount_of(std::span<const MountedRun> mounts) {
   if (mounts.size() < 2) return remount;
   for (const double level : mounts.front().estimates.pressure_psi) {
     const bool everywhere = std::ranges::all_of(mounts, [&](const MountedRun& mount) {
-      return level_of(mount.estimates, level) < mount.estimates.pressure_psi.size();
+      return mount.estimates.level(level) < mount.estimates.pressure_psi.size();
     });
     if (everywhere && level > kLowestMountPsi) remount.pressure_psi.push_back(level);
   }

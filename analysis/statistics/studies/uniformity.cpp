@@ -12,7 +12,6 @@
 namespace tactbench::analysis {
 namespace {
 
-constexpr double kSameTurnedLevelPsi = 0.05;
 constexpr double kLowestLevelPsi = 0.5;  // shares of less say nothing
 // No estimate lies beyond the models' end. A level where so many taxels come so near to it says too little of the
 // chamber, and the highest levels weigh most in a slope.
@@ -138,14 +137,8 @@ TurnedMaps separate_maps(std::span<const std::vector<double>> y, std::span<const
 
 namespace {
 
-std::size_t level_at(const SweepEstimates& estimates, double pressure) {
-  const auto found = std::ranges::find_if(
-      estimates.pressure_psi, [&](double level) { return std::abs(level - pressure) < kSameTurnedLevelPsi; });
-  return static_cast<std::size_t>(found - estimates.pressure_psi.begin());
-}
-
 bool is_cut_off(const SweepEstimates& estimates, double pressure) {
-  const std::size_t level = level_at(estimates, pressure);
+  const std::size_t level = estimates.level(pressure);
   double near = 0.0;
   for (int taxel = 0; taxel < estimates.taxels; ++taxel)
     near += estimates.mean(level, taxel) > estimates.pressure_psi.back() - kNearTheEndPsi ? 1.0 : 0.0;
@@ -155,7 +148,7 @@ bool is_cut_off(const SweepEstimates& estimates, double pressure) {
 // Estimates of one run at a level less the level and less the array's mean, by taxel.
 std::vector<double> off_level(const SweepEstimates& estimates, double pressure) {
   std::vector<double> out(static_cast<std::size_t>(estimates.taxels), kNan);
-  const std::size_t level = level_at(estimates, pressure);
+  const std::size_t level = estimates.level(pressure);
   double sum = 0.0, n = 0.0;
   for (int taxel = 0; taxel < estimates.taxels; ++taxel) {
     const double value = estimates.mean(level, taxel) - pressure;
@@ -199,25 +192,12 @@ TurnedMaps separate_level(std::span<const TurnedRun> runs, double level, std::sp
   return maps;
 }
 
-// Straight line of y over x: offset and slope; NaN values are left out. By plain sums, which round otherwise than those
-// about the means (LineFit): printed figures are held to these.
-struct LineOver {
-  double offset = kNan, slope = kNan;
-};
-LineOver line_over(const std::vector<double>& x, const std::vector<double>& y) {
-  double n = 0.0, sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    if (!std::isfinite(y[i])) continue;
-    n += 1.0;
-    sx += x[i];
-    sy += y[i];
-    sxx += x[i] * x[i];
-    sxy += x[i] * y[i];
-  }
-  const double spread = n * sxx - sx * sx;
-  if (n < 2.0 || !(spread > 0.0)) return {};
-  const double slope = (n * sxy - sx * sy) / spread;
-  return {(sy - slope * sx) / n, slope};
+// Of y over x, where y is finite.
+LineFit line_over(const std::vector<double>& x, const std::vector<double>& y) {
+  std::vector<double> own;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    if (std::isfinite(y[i])) own.push_back(x[i]);
+  return line_fit(own, finite_of(y));
 }
 
 double residual_over_levels(std::span<const TurnedRun> runs, const std::vector<double>& levels,
@@ -243,10 +223,8 @@ Uniformity uniformity_of(std::span<const TurnedRun> runs, int rows, int columns)
   }
   if (std::ranges::all_of(u.angles_deg, [&](int angle) { return angle == u.angles_deg.front(); })) return u;
   for (const double level : runs.front().estimates.pressure_psi) {
-    const bool everywhere = std::ranges::all_of(runs, [&](const TurnedRun& run) {
-      return std::ranges::any_of(run.estimates.pressure_psi,
-                                 [&](double other) { return std::abs(other - level) < kSameTurnedLevelPsi; });
-    });
+    const bool everywhere = std::ranges::all_of(
+        runs, [&](const TurnedRun& run) { return run.estimates.level(level) < run.estimates.pressure_psi.size(); });
     if (!everywhere || !(level > kLowestLevelPsi)) continue;
     if (std::ranges::any_of(runs, [&](const TurnedRun& run) { return is_cut_off(run.estimates, level); })) continue;
     u.pressure_psi.push_back(level);
@@ -270,10 +248,10 @@ Uniformity uniformity_of(std::span<const TurnedRun> runs, int rows, int columns)
     }
   }
   for (std::size_t i = 0; i < taxels; ++i) {
-    const LineOver line = line_over(u.pressure_psi, chamber[i]);
-    u.chamber_share.push_back(line.slope);
-    u.chamber_psi.push_back(line.offset);
-    u.sensor_share.push_back(line_over(u.pressure_psi, sensor[i]).slope);
+    const LineFit line = line_over(u.pressure_psi, chamber[i]);
+    u.chamber_share.push_back(line.slope());
+    u.chamber_psi.push_back(line.at_zero());
+    u.sensor_share.push_back(line_over(u.pressure_psi, sensor[i]).slope());
   }
   u.u_share = array_deviation(u.chamber_share);
   u.degrees = std::max(1.0, static_cast<double>(finite_of(u.chamber_share).size()) - u.undetermined);

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "analysis/counted.h"
-#include "analysis/statistics/numbers/coverage.h"
+#include "analysis/statistics/numbers/moments.h"
 
 namespace tactbench::analysis {
 namespace {

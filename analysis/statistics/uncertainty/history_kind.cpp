@@ -177,20 +177,14 @@ const char* name_of(UseCondition condition) {
 
 ReadingUncertainty reading_uncertainty(const ConditionUncertainty& condition, std::size_t taxel, double reading_psi,
                                        bool up) {
-  const std::size_t levels = condition.pressure_psi.size(), width = condition.taxels();
-  std::size_t below = levels, above = levels;
-  for (std::size_t i = 0; i < levels; ++i) {
-    if (condition.up[i] != up) continue;
-    if (condition.pressure_psi[i] <= reading_psi) below = i;
-    if (above == levels && condition.pressure_psi[i] >= reading_psi) above = i;
-  }
-  if (below == levels && above == levels) return {kNan, kNan};
-  if (below == levels) below = above;
-  if (above == levels) above = below;
-  const double span = condition.pressure_psi[above] - condition.pressure_psi[below];
-  const double share = span > 0.0 ? (reading_psi - condition.pressure_psi[below]) / span : 0.0;
+  const auto rising = static_cast<std::size_t>(std::ranges::count(condition.up, true));
+  const std::span<const double> levels = condition.pressure_psi;
+  const std::span<const double> own = up ? levels.first(rising) : levels.subspan(rising);
+  if (own.empty() || std::isnan(reading_psi)) return {kNan, kNan};
+  const Between at = place_among(own, reading_psi);
+  const std::size_t first = up ? 0 : rising, width = condition.taxels();
   const auto between = [&](const std::vector<double>& values) {
-    return std::lerp(values[below * width + taxel], values[above * width + taxel], share);
+    return std::lerp(values[(first + at.low) * width + taxel], values[(first + at.high) * width + taxel], at.share);
   };
   return {between(condition.error_psi), between(condition.expanded_psi)};
 }
@@ -202,6 +196,27 @@ std::optional<UseCondition> worst_of(std::span<const ConditionUncertainty> condi
         (worst == nullptr || each.median_psi > worst->median_psi))
       worst = &each;
   return worst == nullptr ? std::nullopt : std::optional(worst->condition);
+}
+
+MeasuringInterval measuring_interval(const ConditionUncertainty& condition, bool up, double mpe_psi,
+                                     std::span<const std::size_t> fitted, double share) {
+  MeasuringInterval longest, now;
+  for (std::size_t level = 0; level < condition.pressure_psi.size(); ++level) {
+    if (condition.up[level] != up) continue;
+    std::size_t within = 0;
+    for (const std::size_t taxel : fitted) {
+      const std::size_t at = level * condition.taxels() + taxel;
+      within += std::abs(condition.error_psi[at]) + condition.expanded_psi[at] <= mpe_psi ? 1 : 0;
+    }
+    if (within == 0 || static_cast<double>(within) < share * static_cast<double>(fitted.size()) - 1e-9) {
+      now = {};
+      continue;
+    }
+    if (!now.any) now = {true, condition.pressure_psi[level], condition.pressure_psi[level]};
+    now.high_psi = condition.pressure_psi[level];
+    if (!longest.any || now.high_psi - now.low_psi > longest.high_psi - longest.low_psi) longest = now;
+  }
+  return longest;
 }
 
 }  // namespace tactbench::analysis

@@ -1,4 +1,6 @@
-// Classifies the pressure history of a held-out run by its trajectory alone, not by names of recipes.
+// Classifies the pressure history of a held-out run by its trajectory alone, not by names of recipes; U of one
+// compensated reading by condition of use: for each kind of history that held-out runs went through, and for each other
+// state of the sensor in which they were made; and where a reading is within a requested error.
 #pragma once
 
 #include <array>
@@ -11,9 +13,6 @@
 
 #include "analysis/statistics/figures/history_errors.h"
 #include "analysis/statistics/numbers/moments.h"
-
-// U of one compensated reading by condition of use: for each kind of pressure history that held-out runs went through,
-// and for each other state of the sensor in which they were made. A kind is named after what was observed.
 
 namespace tactbench::analysis {
 
@@ -107,5 +106,18 @@ struct ArrivalTimes {
   double low_s = 0.0, high_s = 0.0;
 };
 std::optional<ArrivalTimes> arrival_times(const Dataset& run);
+
+inline constexpr double kMeasuringShare = 0.95;  // of the taxels
+
+struct MeasuringInterval {
+  bool any = false;  // false: at no level
+  double low_psi = 0.0, high_psi = 0.0;
+};
+
+// The longest run of neighbouring levels of one direction at each of which |error| + U of at least `share` of the
+// taxels is at most `mpe_psi`; of two as long the lower. `fitted`: taxels that count, those without U as above it.
+// None where the condition is not valid, or no level of that direction was counted.
+MeasuringInterval measuring_interval(const ConditionUncertainty& condition, bool up, double mpe_psi,
+                                     std::span<const std::size_t> fitted, double share = kMeasuringShare);
 
 }  // namespace tactbench::analysis

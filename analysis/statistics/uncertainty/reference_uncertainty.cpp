@@ -9,7 +9,7 @@
 
 #include "analysis/json_io.h"
 #include "analysis/pressure_unit.h"
-#include "analysis/statistics/numbers/coverage.h"
+#include "analysis/statistics/numbers/moments.h"
 
 namespace tactbench::analysis {
 namespace {
@@ -165,12 +165,8 @@ std::optional<TraceabilityGap> ReferenceUncertainty::untraced() const {
 
 double ReferenceUncertainty::certificate_u(double pressure_psi) const {
   if (reading_psi.empty()) return 0.0;
-  const auto above = std::ranges::upper_bound(reading_psi, pressure_psi);
-  if (above == reading_psi.begin()) return expanded_psi.front() / coverage_factor;
-  if (above == reading_psi.end()) return expanded_psi.back() / coverage_factor;
-  const auto i = static_cast<std::size_t>(above - reading_psi.begin());
-  const double share = (pressure_psi - reading_psi[i - 1]) / (reading_psi[i] - reading_psi[i - 1]);
-  return (expanded_psi[i - 1] + share * (expanded_psi[i] - expanded_psi[i - 1])) / coverage_factor;
+  const Between at = place_among(reading_psi, pressure_psi);
+  return std::lerp(expanded_psi[at.low], expanded_psi[at.high], at.share) / coverage_factor;
 }
 
 double ReferenceUncertainty::largest_certificate_u() const {

@@ -8,8 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/statistics/uncertainty/instrument_calibration.h"
-#include "analysis/statistics/uncertainty/instrument_uncertainty.h"
+#include "analysis/statistics/uncertainty/instruments.h"
 #include "db/record.h"
 
 namespace tactbench::analysis {

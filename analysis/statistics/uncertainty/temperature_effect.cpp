@@ -6,11 +6,11 @@
 #include <cmath>
 #include <optional>
 
+#include "analysis/identify/sensor_model.h"
 #include "analysis/loop.h"
 #include "analysis/statistics/figures/behaviour.h"
-#include "analysis/statistics/figures/creep_effect.h"
 #include "analysis/statistics/figures/levels.h"
-#include "analysis/statistics/figures/same_sensor.h"
+#include "analysis/statistics/figures/time_effects.h"
 
 namespace tactbench::analysis {
 namespace {
@@ -57,7 +57,7 @@ std::optional<OutputChange> change_of(const LoopPairs& pairs) {
     over_zero.push_back(pairs.calibration[i] - zero);
     change.push_back(pairs.other[i] - pairs.calibration[i]);
   }
-  const LineFit line = line_fit_by_shares(over_zero, change);
+  const LineFit line = line_fit(over_zero, change);
   if (!(line.xx > 0.0)) return std::nullopt;
   return OutputChange{line.at_zero(), line.slope()};
 }
@@ -115,14 +115,14 @@ LineOverKelvin line_over_kelvin(std::span<const ThermalRun> runs, double OutputC
   const std::vector<double> kelvins = kelvins_of(runs);
   std::vector<double> changes;
   for (const ThermalRun& run : runs) changes.push_back(run.change.*member);
-  const LineFit fit = line_fit_by_shares(kelvins, changes);
+  const LineFit fit = line_fit(kelvins, changes);
   LineOverKelvin line;
   line.slope = fit.slope();
   double within = 0.0, weighted = 0.0;
   for (const ThermalRun& run : runs) {
     std::vector<double> own;
     for (const OutputChange& repeat : run.repeats) own.push_back(repeat.*member);
-    const double mean = mean_by_shares(own);
+    const double mean = mean_of(own);
     for (const double change : own) within += (change - mean) * (change - mean);
     const auto repeats = static_cast<double>(std::max<std::size_t>(1, own.size()));
     line.repeats_dof += repeats - 1.0;
@@ -138,7 +138,7 @@ LineOverKelvin line_over_kelvin(std::span<const ThermalRun> runs, double OutputC
 // Standard deviation of the taxels' own slopes. A taxel's mean need not be taken off: the kelvins add up to 0.
 double deviation_of_taxels(std::span<const ThermalRun> runs, double OutputChange::*member) {
   const std::vector<double> kelvins = kelvins_of(runs);
-  const double mean_t = mean_by_shares(kelvins), tt = sum_of_squares_about(kelvins, mean_t);
+  const double mean_t = mean_of(kelvins), tt = sum_of_squares_about(kelvins, mean_t);
   std::vector<double> slopes;
   for (std::size_t taxel = 0; taxel < runs.front().taxels.size(); ++taxel) {
     double ty = 0.0;
@@ -166,14 +166,6 @@ double mean_temperature_c(const Dataset& dataset) { return mean_of(dataset.tempe
 
 bool at_another_temperature(std::span<const double> calibration_c, std::span<const double> other_c) {
   return std::abs(mean_of(other_c) - mean_of(calibration_c)) >= kOtherTemperatureK;
-}
-
-double TemperatureEffect::half_width_of_runs_c() const {
-  double furthest = half_width_c();
-  for (const double temperature : temperature_c)
-    furthest = std::max(furthest, std::hypot(std::abs(temperature - temperature_c.front()) + 0.5 * resolution_c,
-                                             std::numbers::sqrt3 * thermometer_u_c));
-  return furthest;
 }
 
 double TemperatureEffect::width_v(double over_zero_v) const {

@@ -38,8 +38,6 @@ struct TemperatureEffect {
   [[nodiscard]] double half_width_c() const {
     return std::hypot(0.5 * (high_c - low_c + resolution_c), std::numbers::sqrt3 * thermometer_u_c);
   }
-  // From the calibration's temperature to the furthest of the runs'.
-  [[nodiscard]] double half_width_of_runs_c() const;
   // Half-width in volt at an output so far over its zero: half_width_c times the root of the squares of coefficient,
   // its u and the taxels' deviation.
   [[nodiscard]] double width_v(double over_zero_v) const;

@@ -8,9 +8,9 @@
 #include <numbers>
 
 #include "analysis/identify/compensators.h"
+#include "analysis/identify/sensor_model.h"
 #include "analysis/loop.h"
 #include "analysis/statistics/figures/levels.h"
-#include "analysis/statistics/figures/same_sensor.h"
 #include "analysis/workers.h"
 
 namespace tactbench::analysis {
@@ -175,14 +175,12 @@ const LevelUncertainty* Uncertainty::level(double pressure_psi, bool up) const {
   return found == levels.end() ? nullptr : &*found;
 }
 
-Uncertainty assess_uncertainty(const Dataset& measured, const SensorModel& measured_fit, const db::RunRecord& run,
+Uncertainty assess_uncertainty(const Dataset& measured, const SensorModel& fit, const db::RunRecord& run,
                                const UncertaintyInputs& given, int threads) {
-  check_same_sensor(measured, measured_fit);
-  SensorModel fit = measured_fit;
+  check_same_sensor(measured, fit);
   const Dataset dataset = as_modelled(measured, fit);
-  const RisingRuns rising(given, measured_fit);
+  const RisingRuns rising(given, fit);
   const UncertaintyInputs& inputs = rising.inputs;
-  fit.falling = false;
   Uncertainty out;
   out.reference = reference_uncertainty(run, inputs.notes);
   const SweepErrors errors = sweep_errors(dataset, fit, threads);
@@ -218,15 +216,13 @@ Uncertainty assess_uncertainty(const Dataset& measured, const SensorModel& measu
   return out;
 }
 
-std::vector<ConditionUncertainty> reading_conditions(const Dataset& measured, const SensorModel& measured_fit,
+std::vector<ConditionUncertainty> reading_conditions(const Dataset& measured, const SensorModel& fit,
                                                      const db::RunRecord& run, const HistoryRuns& history,
                                                      const SweepErrors& sweeps, int threads) {
-  SensorModel fit = measured_fit;
   const Dataset dataset = as_modelled(measured, fit);
   UncertaintyInputs given;
   given.history = history;
-  const RisingRuns rising(given, measured_fit);
-  fit.falling = false;
+  const RisingRuns rising(given, fit);
   const ReferenceUncertainty reference = reference_uncertainty(run);
   const bool certified = reference.certificate_missing.empty();
   return empirical_uncertainty(empirical_errors(dataset, rising.inputs.history, fit, threads), fit,
@@ -432,34 +428,12 @@ std::vector<double> errors_of(const LevelReadings& level, std::size_t taxel, std
   return errors;
 }
 
-// One-way analysis of variance (H.5.2) of readings in groups of unequal size.
-struct GroupedScatter {
-  double within = 0.0, within_dof = 0.0;    // variance, degrees of freedom
-  double between = 0.0, between_dof = 0.0;  // of the groups' effect, what `within` explains taken off, not below 0
-  double groups = 0.0, readings = 0.0;
-};
-GroupedScatter grouped_scatter(std::span<const double> errors, std::span<const int> group) {
-  const int last = group.empty() ? -1 : *std::ranges::max_element(group);
-  std::vector<std::vector<double>> groups(static_cast<std::size_t>(last + 1));
-  for (std::size_t i = 0; i < errors.size(); ++i) groups[static_cast<std::size_t>(group[i])].push_back(errors[i]);
-  std::erase_if(groups, [](const std::vector<double>& own) { return own.empty(); });
-  GroupedScatter out;
-  out.groups = static_cast<double>(groups.size());
-  out.readings = static_cast<double>(errors.size());
-  const double all = mean_of(errors);
-  double squares_within = 0.0, squares_between = 0.0, n_squares = 0.0;
-  for (const std::vector<double>& own : groups) {
-    const double mean = mean_of(own), n = static_cast<double>(own.size());
-    squares_within += sum_of_squares_about(own, mean);
-    squares_between += n * (mean - all) * (mean - all);
-    n_squares += n * n;
-  }
-  out.within_dof = out.readings - out.groups;
-  out.between_dof = out.groups - 1.0;
-  if (out.within_dof > 0.0) out.within = squares_within / out.within_dof;
-  if (!(out.between_dof > 0.0)) return out;
-  const double size = (out.readings - n_squares / out.readings) / out.between_dof;
-  out.between = std::max(0.0, (squares_between / out.between_dof - out.within) / size);
+// The readings of a taxel by the group that their sweeps belong to.
+std::vector<std::vector<double>> groups_of(const LevelReadings& level, std::size_t taxel, std::size_t width,
+                                           int groups) {
+  std::vector<std::vector<double>> out(static_cast<std::size_t>(groups));
+  for (std::size_t i = 0; i < level.readings; ++i)
+    out[static_cast<std::size_t>(level.group[i])].push_back(level.error_psi[i * width + taxel]);
   return out;
 }
 
@@ -517,7 +491,7 @@ void BudgetMaker::find_common() {
 void BudgetMaker::add_readings(Budget& budget, std::size_t taxel, std::size_t level) const {
   const LevelReadings& readings = errors_.levels[level];
   const double noise = squared_u(budget, UncertaintySource::kNoise), common = common_scatter_[level];
-  const GroupedScatter scatter = grouped_scatter(errors_of(readings, taxel, fit_.array().size()), readings.group);
+  const GroupedScatter scatter = grouped_scatter(groups_of(readings, taxel, fit_.array().size(), errors_.groups));
   if (scatter.within_dof > 0.0)
     add(budget, UncertaintySource::kRepeatability, std::sqrt(std::max(0.0, scatter.within - noise)), 1.0, 1.0,
         scatter.within_dof, common);

@@ -17,11 +17,10 @@
 #include <string>
 #include <vector>
 
-#include "analysis/statistics/figures/creep_effect.h"
-#include "analysis/statistics/figures/dwell_effect.h"
 #include "analysis/statistics/figures/history_errors.h"
 #include "analysis/statistics/figures/sweep_errors.h"
-#include "analysis/statistics/numbers/coverage.h"
+#include "analysis/statistics/figures/time_effects.h"
+#include "analysis/statistics/numbers/moments.h"
 #include "analysis/statistics/uncertainty/empirical_errors.h"
 #include "analysis/statistics/uncertainty/reference_uncertainty.h"
 #include "analysis/statistics/uncertainty/temperature_effect.h"

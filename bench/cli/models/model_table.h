@@ -8,7 +8,7 @@
 
 #include "analysis/pressure_unit.h"
 #include "analysis/report/document/document.h"
-#include "analysis/statistics/scoring/model_score.h"
+#include "analysis/statistics/scoring/score.h"
 
 namespace tactbench::bench {
 

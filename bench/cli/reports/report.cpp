@@ -18,7 +18,7 @@
 #include "analysis/report/overview/overview.h"
 #include "analysis/report/overview/table_report.h"
 #include "analysis/statistics/figures/evaluation.h"
-#include "analysis/statistics/uncertainty/instrument_calibration.h"
+#include "analysis/statistics/uncertainty/instruments.h"
 #include "bench/cli/judgement_output.h"
 #include "bench/cli/reports/report_sign.h"
 #include "bench/cli/runs/source.h"

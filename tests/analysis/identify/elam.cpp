@@ -4,7 +4,7 @@
 #include <random>
 #include <vector>
 
-#include "analysis/identify/elam/elam_samples.h"
+#include "analysis/identify/elam/elam.h"
 #include "analysis/identify/fit_models.h"
 #include "tests/analysis/support/fit_samples.h"
 #include "tests/analysis/support/synthetic.h"

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "analysis/error.h"
-#include "analysis/identify/elam/repeats.h"
 #include "analysis/identify/histories.h"
 #include "tests/analysis/identify/refusals.h"
 

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "analysis/identify/fit_samples.h"
+#include "analysis/identify/histories.h"
 #include "analysis/identify/sensor_model.h"
-#include "analysis/identify/taxel_status.h"
 
 using namespace tactbench;
 using namespace tactbench::analysis;

@@ -5,7 +5,6 @@
 
 #include "analysis/judgement/judgement.h"
 #include "analysis/judgement/mpe.h"
-#include "analysis/statistics/numbers/coverage.h"
 #include "analysis/statistics/numbers/moments.h"
 #include "tests/analysis/support/straight_array.h"
 

@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "analysis/identify/elam/identify.h"
+#include "analysis/identify/elam/elam.h"
 #include "analysis/identify/fit_models.h"
 #include "tests/analysis/support/synthetic.h"
 

@@ -10,7 +10,6 @@
 #include "analysis/identify/dynamic/dynamic_fit.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/statistics/figures/levels.h"
-#include "analysis/statistics/figures/streams.h"
 #include "analysis/statistics/uncertainty/uncertainty.h"
 #include "tests/benchmarks/study/compensation.h"
 #include "tests/benchmarks/study/histories.h"

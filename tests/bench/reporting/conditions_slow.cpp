@@ -10,7 +10,6 @@
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/judgement/measured_figures.h"
 #include "analysis/statistics/figures/levels.h"
-#include "analysis/statistics/figures/streams.h"
 #include "analysis/statistics/uncertainty/uncertainty.h"
 #include "bench/reporting/evaluation.h"
 #include "bench/run/recipe_check.h"

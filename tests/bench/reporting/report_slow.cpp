@@ -10,7 +10,7 @@
 
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/statistics/figures/evaluation.h"
-#include "analysis/statistics/studies/contact_results.h"
+#include "analysis/statistics/studies/contact.h"
 #include "bench/reporting/evaluation.h"
 #include "bench/run/recipe_check.h"
 #include "tests/analysis/report/report_page.h"

@@ -5,7 +5,7 @@
 #include <ctime>
 #include <nlohmann/json.hpp>
 
-#include "analysis/statistics/uncertainty/instrument_calibration.h"
+#include "analysis/statistics/uncertainty/instruments.h"
 #include "bench/rig/rig.h"
 #include "bench/run/run_record.h"
 #include "devices/device.h"

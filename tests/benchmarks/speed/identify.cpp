@@ -1,6 +1,6 @@
 // Identification: ELAM of a taxel in units of one plain J over its 660 samples; an array from the store to
 // its parameters; threads; growth; the genetic search of the paper; the dynamic model of an array.
-#include "analysis/identify/elam/identify.h"
+#include "analysis/identify/elam/elam.h"
 
 #include <benchmark/benchmark.h>
 

@@ -11,9 +11,7 @@
 #include <set>
 #include <string>
 
-#include "analysis/statistics/control/control_band.h"
-#include "analysis/statistics/control/ewma_control_chart.h"
-#include "analysis/statistics/control/false_discovery.h"
+#include "analysis/statistics/control/control_chart.h"
 
 namespace tactbench::bench {
 namespace {

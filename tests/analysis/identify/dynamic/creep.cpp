@@ -7,9 +7,8 @@
 #include <vector>
 
 #include "analysis/error.h"
-#include "analysis/identify/dynamic/dynamic_residuals.h"
+#include "analysis/identify/dynamic/dynamic_fit.h"
 #include "analysis/identify/dynamic/dynamics_search.h"
-#include "analysis/identify/dynamic/fit_run_creep.h"
 #include "analysis/identify/sensor_model.h"
 #include "analysis/models/linearised.h"
 #include "analysis/models/preisach.h"

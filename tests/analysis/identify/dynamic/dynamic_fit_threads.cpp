@@ -5,14 +5,14 @@
 
 #include "analysis/identify/compensators.h"
 #include "analysis/identify/dynamic/dynamic_fit.h"
-#include "analysis/identify/dynamic/fit_run_creep.h"
+#include "analysis/identify/dynamic/dynamics_search.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/models/linearised.h"
 #include "analysis/models/preisach.h"
 #include "analysis/statistics/figures/evaluation.h"
-#include "analysis/statistics/scoring/model_score.h"
+#include "analysis/statistics/scoring/score.h"
 #include "analysis/statistics/sensor/drift.h"
-#include "analysis/statistics/studies/contact_results.h"
+#include "analysis/statistics/studies/contact.h"
 #include "tests/analysis/support/dynamic_runs.h"
 #include "tests/analysis/support/dynamic_walk.h"
 
@@ -189,7 +189,6 @@ TEST_CASE("dynamic model of one run: repeated levels yield the creep and its slo
     const double of_three = evaluate(runs.other, three).mean_error_psi;
     INFO(of_three << " psi from three runs, slowest " << three.dynamics->shared.creep_s.back() << " s");
     CHECK(three.dynamics->shared.lag_share > 0.0);
-    if (slowest > 300.0) CHECK(creep_of_fitted_run(*three.dynamics));
     CHECK(three.dynamics->shared.creep_s.back() == Approx(slowest));
     CHECK(of_three < 0.2 * plain);
   }
@@ -396,7 +395,6 @@ TEST_CASE("dynamic model of one run: limits intervals to distinct levels, averag
     REQUIRE(model.taxels.size() == 4);
     CHECK(film_in(model.taxels[0]).intervals() == intervals);
     CHECK_FALSE(in_time(*model.dynamics));
-    CHECK_FALSE(creep_of_fitted_run(*model.dynamics));
     CHECK(model.fitted() == std::vector<std::size_t>{0, 2});
     CHECK(model.taxels[0].creep_scale == 1.0);
     CHECK(model.taxels[2].lag_share == 0.0);

@@ -3,7 +3,7 @@
 // data leave open are not settled here: that trades J within chance (undetermined_parameters.cpp).
 #include <catch2/catch.hpp>
 
-#include "analysis/identify/elam/identify.h"
+#include "analysis/identify/elam/elam.h"
 #include "tests/analysis/identify/elam/exhaustive_reference.h"
 #include "tests/analysis/support/synthetic.h"
 

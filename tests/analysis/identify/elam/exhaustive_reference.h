@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "analysis/identify/elam/elam_samples.h"
+#include "analysis/identify/elam/elam.h"
 
 namespace synthetic {
 

@@ -4,9 +4,9 @@
 #include <map>
 #include <vector>
 
+#include "analysis/identify/elam/elam.h"
 #include "analysis/identify/elam/genetic.h"
 #include "analysis/identify/elam/genetic_module.h"
-#include "analysis/identify/elam/identify.h"
 #include "tests/analysis/identify/elam/exhaustive_comparison.h"
 #include "tests/analysis/support/fit_samples.h"
 #include "tests/analysis/support/models.h"

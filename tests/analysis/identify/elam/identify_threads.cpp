@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 #include <random>
 
-#include "analysis/identify/elam/identify.h"
+#include "analysis/identify/elam/elam.h"
 #include "analysis/identify/sensor_model.h"
 #include "tests/analysis/support/synthetic.h"
 

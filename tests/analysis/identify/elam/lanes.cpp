@@ -3,8 +3,9 @@
 #include <cstring>
 #include <random>
 
-#include "analysis/identify/elam/identify.h"
+#include "analysis/identify/elam/elam.h"
 #include "analysis/identify/elam/lanes.h"
+#include "analysis/identify/elam/search.h"
 #include "tests/analysis/support/synthetic.h"
 
 using namespace synthetic;

@@ -5,7 +5,8 @@
 #include <tuple>
 #include <vector>
 
-#include "analysis/identify/elam/elam_determined.h"
+#include "analysis/identify/elam/elam.h"
+#include "analysis/identify/elam/search.h"
 #include "analysis/identify/fit_models.h"
 #include "analysis/statistics/scoring/score.h"
 #include "tests/analysis/support/fit_samples.h"

@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "analysis/statistics/scoring/model_score.h"
+#include "analysis/statistics/scoring/score.h"
 #include "tests/analysis/support/synthetic.h"
 
 using namespace synthetic;

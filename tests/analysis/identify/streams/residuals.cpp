@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "analysis/identify/compensators.h"
-#include "analysis/identify/dynamic/dynamic_residuals.h"
+#include "analysis/identify/dynamic/dynamic_fit.h"
 #include "analysis/identify/residuals.h"
 #include "analysis/models/linearised.h"
 #include "analysis/models/preisach.h"

@@ -7,10 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "analysis/statistics/control/control_band.h"
 #include "analysis/statistics/control/control_chart.h"
-#include "analysis/statistics/control/ewma_control_chart.h"
-#include "analysis/statistics/control/false_discovery.h"
 #include "analysis/statistics/numbers/moments.h"
 
 using namespace tactbench::analysis;

@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "analysis/statistics/control/ewma_control_chart.h"
+#include "analysis/statistics/control/control_chart.h"
 #include "analysis/statistics/numbers/moments.h"
 
 using namespace tactbench::analysis;

@@ -2,8 +2,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "analysis/statistics/figures/dwell_effect.h"
 #include "analysis/statistics/figures/history_errors.h"
+#include "analysis/statistics/figures/time_effects.h"
 #include "analysis/statistics/numbers/moments.h"
 #include "tests/analysis/support/straight_array.h"
 
@@ -156,7 +156,6 @@ TEST_CASE("dwell effect: is the largest mean square of the repeats against the o
   CHECK(effect.run == 2);
   CHECK(effect.low_s == 1.0);
   CHECK(effect.high_s == 8.0);
-  CHECK(effect.base_s == 3.0);
   REQUIRE(effect.square_psi.size() == 2 * 4 * 3);
   const auto square = [&](std::size_t level, bool up, std::size_t taxel) {
     return effect.square_psi[((up ? 0 : 4) + level) * 3 + taxel];
@@ -168,10 +167,10 @@ TEST_CASE("dwell effect: is the largest mean square of the repeats against the o
   CHECK(square(2, false, 0) == Approx(1.0));
   CHECK(std::isnan(square(2, true, 0)));      // no step within 4 psi of 40 psi on the way up
   CHECK(std::isnan(square(1, false, 0)));     // nor of 20 psi on the way down
-  CHECK(dwell_of(paced, 1.7).base_s == 1.0);  // 1.7 times as long as one, 1.76 times as short as the other
-  CHECK(dwell_of(paced, 1.8).base_s == 3.0);
-  CHECK(dwell_of(paced, 5.0).base_s == 8.0);  // 1.6 and 1.67 times
-  CHECK(dwell_of(paced, 4.8).base_s == 3.0);
+  // 1.7 s are 1.7 times as long as 1 s and 1.76 times as short as 3 s, 5 s 1.6 and 1.67 times as 8 s and 3 s: the first and
+  // the last repeat lie furthest apart.
+  for (const auto& [usual_s, largest] : {std::pair{1.7, 34.0}, {1.8, 14.0}, {4.8, 14.0}, {5.0, 34.0}})
+    CHECK(dwell_of(paced, usual_s).square_psi[3] == Approx(largest / 3));
 }
 
 TEST_CASE("dwell effect: dwells must differ by a factor of two, and each of at least two repeats must state one") {

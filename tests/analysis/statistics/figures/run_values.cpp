@@ -6,9 +6,8 @@
 
 #include "analysis/identify/histories.h"
 #include "analysis/statistics/figures/behaviour.h"
-#include "analysis/statistics/figures/creep_effect.h"
 #include "analysis/statistics/figures/evaluation.h"
-#include "analysis/statistics/figures/figures.h"
+#include "analysis/statistics/figures/time_effects.h"
 #include "analysis/statistics/numbers/moments.h"
 #include "tests/analysis/support/straight_array.h"
 

@@ -6,7 +6,6 @@
 
 #include "analysis/identify/compensators.h"
 #include "analysis/models/monotone.h"
-#include "analysis/statistics/scoring/model_score.h"
 #include "analysis/statistics/scoring/score.h"
 #include "tests/analysis/support/creeping_film.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <memory>
 
-#include "analysis/identify/elam/repeats.h"
+#include "analysis/identify/histories.h"
 #include "analysis/models/monotone.h"
 #include "analysis/statistics/scoring/score.h"
 #include "analysis/statistics/sensor/drift.h"

@@ -395,7 +395,7 @@ struct LineVerdict {
 LineVerdict judged(const SeatingTaxels& taxels, bool along_rows) {
   std::vector<bool> lost(taxels.response_v.size(), false);
   LineVerdict out;
-  for (const SeatingFinding& finding : check_lines(taxels, along_rows, {}, lost)) {
+  for (const SeatingFinding& finding : check_lines(taxels, along_rows, lost)) {
     out.kinds += (out.kinds.empty() ? "" : " ") + finding.kind;
     const std::vector<int>& own = along_rows ? finding.rows : finding.columns;
     CHECK((along_rows ? finding.columns : finding.rows).empty());

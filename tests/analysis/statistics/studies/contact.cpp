@@ -5,8 +5,7 @@
 #include <cmath>
 
 #include "analysis/error.h"
-#include "analysis/statistics/studies/contact_results.h"
-#include "analysis/statistics/studies/press_run.h"
+#include "analysis/statistics/studies/contact.h"
 #include "tests/analysis/support/straight_array.h"
 
 using namespace straight_array;

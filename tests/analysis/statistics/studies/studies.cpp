@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "analysis/statistics/numbers/moments.h"
-#include "analysis/statistics/studies/contact_results.h"
+#include "analysis/statistics/studies/contact.h"
 #include "analysis/statistics/studies/studies.h"
 #include "tests/analysis/support/straight_array.h"
 

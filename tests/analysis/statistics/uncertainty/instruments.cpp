@@ -4,8 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "analysis/statistics/uncertainty/instrument_calibration.h"
-#include "analysis/statistics/uncertainty/instrument_uncertainty.h"
+#include "analysis/statistics/uncertainty/instruments.h"
 #include "analysis/statistics/uncertainty/reference_uncertainty.h"
 #include "tests/analysis/support/uncertainty_example.h"
 

@@ -1,4 +1,5 @@
-// Local searches for J's ascending half, many candidates (u, v, beta_a) side by side in lanes.
+// The minima of J's two halves: of the descending one on a line, of the ascending one by local searches, many
+// candidates (u, v, beta_a) side by side in lanes.
 #pragma once
 
 #include <array>
@@ -43,5 +44,10 @@ class AscendingSearch {
   std::vector<Lane> at_;
   std::vector<Point> tried_;
 };
+
+// The minimum of J's descending half over alpha_d, beta_d in [0, 1] and of its ascending half over the unit cube in
+// (phi(x = 0 long), phi(full length), beta_a); the model's other parameters are left alone. Return J without constant.
+double fit_descending(ElamModel& model, std::span<const CurveSamples> curves);
+double fit_ascending(ElamModel& model, std::span<const CurveSamples> curves);
 
 }  // namespace tactbench::analysis

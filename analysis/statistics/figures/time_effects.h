@@ -1,9 +1,10 @@
-// Contribution of creep to the uncertainty of a reading: the output's change from the time under load at which the
-// calibration reads its levels to the end of a hold. Input: the calibration's dataset and runs with holds; output:
-// shares of the output for the uncertainty budgets.
+// What time does to a reading, for the uncertainty budgets: creep, the output's change from the time under load at
+// which the calibration reads its levels to the end of a hold, as a share of the output; and dwell, how corrected
+// readings change when the time before a frame is not the calibration's (recipe `rate`).
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
@@ -59,5 +60,21 @@ struct CreepEffect {
 // creep of holds: what that leaves is not seen in holds alike. Throws AnalysisError
 // TB-ANALYSIS-OTHER-SENSOR, TB-ANALYSIS-ORIGIN.
 CreepEffect creep_effect_of(const Dataset& calibration, std::span<const Dataset> runs, const SensorModel& fit);
+
+struct DwellEffect {
+  std::string not_assessed = "no run of recipe rate was given, the same loop at several dwell times";
+  std::int64_t run = 0;
+  double low_s = 0.0, high_s = 0.0;  // shortest and longest dwell: times from command to frame, medians of the repeats
+  // Levels of the models up, then down, x taxels: the larger over the repeats of the mean square of the change over the
+  // window of kHistoryWindowPsi, psi². It contains the noise of two frames. NaN where not fitted.
+  std::vector<double> square_psi;
+  [[nodiscard]] bool assessed() const { return not_assessed.empty(); }
+};
+
+double median_dwell_s(const Dataset& dataset);  // over all frames above kHeldAbovePsi; NaN where none states it
+
+// The first of `runs` with repeats whose dwell times differ by a factor of two tells. Outputs rising (as_modelled).
+DwellEffect dwell_effect_of(const Dataset& calibration, std::span<const Dataset* const> runs, const SensorModel& fit,
+                            int threads = 0);
 
 }  // namespace tactbench::analysis

@@ -1,4 +1,4 @@
-#include "analysis/statistics/figures/creep_effect.h"
+#include "analysis/statistics/figures/time_effects.h"
 
 #include <fmt/format.h>
 
@@ -9,12 +9,13 @@
 #include <vector>
 
 #include "analysis/identify/dynamic/dynamic_fit.h"
-#include "analysis/identify/dynamic/fit_run_creep.h"
+#include "analysis/identify/dynamic/dynamics_search.h"
+#include "analysis/identify/sensor_model.h"
 #include "analysis/loop.h"
 #include "analysis/pressure_unit.h"
 #include "analysis/statistics/figures/behaviour.h"
+#include "analysis/statistics/figures/history_errors.h"
 #include "analysis/statistics/figures/levels.h"
-#include "analysis/statistics/figures/same_sensor.h"
 #include "analysis/statistics/numbers/moments.h"
 
 namespace tactbench::analysis {
@@ -132,16 +133,15 @@ void keep_larger(HeldLevel& kept, const HeldLevel& other) {
 
 double CreepEffect::share(std::size_t taxel, double pressure_psi, bool up) const {
   const bool own = std::ranges::any_of(levels, [up](const HeldLevel& level) { return level.up == up; });
-  const HeldLevel *below = nullptr, *above = nullptr;
+  std::vector<double> pressures, shares;
   for (const HeldLevel& level : levels) {
     if ((own && level.up != up) || !std::isfinite(level.share[taxel])) continue;
-    if (level.pressure_psi <= pressure_psi) below = &level;
-    if (level.pressure_psi >= pressure_psi && above == nullptr) above = &level;
+    pressures.push_back(level.pressure_psi);
+    shares.push_back(level.share[taxel]);
   }
-  if (below == nullptr && above == nullptr) return 0.0;
-  if (below == nullptr || above == nullptr || above == below) return (below != nullptr ? below : above)->share[taxel];
-  const double at = (pressure_psi - below->pressure_psi) / (above->pressure_psi - below->pressure_psi);
-  return std::lerp(below->share[taxel], above->share[taxel], at);
+  if (shares.empty()) return 0.0;
+  const Between at = place_among(pressures, pressure_psi);
+  return std::lerp(shares[at.low], shares[at.high], at.share);
 }
 
 std::string CreepEffect::display_text() const {
@@ -164,22 +164,19 @@ std::string CreepEffect::display_text() const {
       extrapolated_back ? ". The holds' first frame is later than the dwell: extended on the logarithm of time" : "");
 }
 
-CreepEffect creep_effect_of(const Dataset& calibration, std::span<const Dataset> runs,
-                            const SensorModel& measured_fit) {
+CreepEffect creep_effect_of(const Dataset& calibration, std::span<const Dataset> runs, const SensorModel& fit) {
   CreepEffect effect;
-  effect.undone = measured_fit.dynamics && compensates_creep(*measured_fit.dynamics);
-  if (effect.undone && measured_fit.dynamics->creep.run != 0) {
-    for (const Dataset& run : runs) check_same_sensor(run, measured_fit);
+  effect.undone = fit.dynamics && compensates_creep(*fit.dynamics);
+  if (effect.undone && fit.dynamics->creep.run != 0) {
+    for (const Dataset& run : runs) check_same_sensor(run, fit);
     effect.not_assessed = "the model undoes creep; what it leaves of it is in the errors of held-out runs";
     return effect;
   }
-  SensorModel fit = measured_fit;
-  fit.falling = false;
   effect.read_after_s = usual_time(calibration);
   bool few = false, brief = false;
   for (const Dataset& run : runs) {
-    check_same_sensor(run, measured_fit);
-    Dataset dataset = as_modelled(run, measured_fit);
+    check_same_sensor(run, fit);
+    Dataset dataset = as_modelled(run, fit);
     if (effect.undone) dataset = with_fit_run_creep_removed(std::move(dataset), fit);
     few = few || !held_frames_of(dataset, 3).empty();
     for (const HeldFrames& hold : held_frames_of(dataset)) {
@@ -231,7 +228,7 @@ namespace {
 Creep line_through(const std::vector<double>& held_s, const std::vector<double>& output_v) {
   std::vector<double> decades;
   for (const double time : held_s) decades.push_back(std::log10(time));
-  const LineFit line = line_fit_by_shares(decades, output_v);
+  const LineFit line = line_fit(decades, output_v);
   const double rest = residual_sum_of_squares(line, decades, output_v);
   Creep creep;
   creep.from_s = held_s.front();
@@ -286,6 +283,81 @@ std::vector<Creep> creep_of(const Dataset& dataset, const std::vector<int>& taxe
     found.back().up = hold.rose;
   }
   return found;
+}
+
+namespace {
+
+constexpr double kOtherPace = 2.0;  // dwell times that differ by this factor are two
+
+double median_dwell_of(const Repeat& repeat) {
+  std::vector<double> held;
+  for (const Sample& sample : repeat.steps)
+    if (sample.setpoint_psi > kHeldAbovePsi && sample.held_s > 0.0) held.push_back(sample.held_s);
+  return median_of(std::move(held));
+}
+
+// Change of each step of a loop, whose repeats begin at frame `begin`, against the base repeat: squared, into the
+// windows that it lies in.
+void add_changes(const FrameErrors& run, std::size_t begin, const SequenceData& loop, std::size_t base,
+                 const SensorModel& fit, DwellEffect& effect) {
+  const std::size_t width = fit.array().size(), levels = fit.pressure_psi.size(), size = loop.repeats[0].steps.size();
+  effect.square_psi.assign(2 * levels * width, kNan);
+  for (std::size_t at = 0; at < 2 * levels; ++at) {
+    std::vector<std::size_t> steps;
+    for (std::size_t i = 0; i < size; ++i) {
+      const FrameErrors::Frame& frame = run.frames[begin + base * size + i];
+      if (frame.up == (at < levels) &&
+          std::abs(frame.setpoint_psi - fit.pressure_psi[at % levels]) <= kHistoryWindowPsi + kSameLevelPsi)
+        steps.push_back(i);
+    }
+    for (std::size_t r = 0; r < loop.repeats.size(); ++r)
+      for (std::size_t taxel = 0; taxel < width && r != base && !steps.empty(); ++taxel) {
+        double squares = 0.0;
+        for (const std::size_t i : steps)
+          squares += std::pow(run.error_psi[(begin + r * size + i) * width + taxel] -
+                                  run.error_psi[(begin + base * size + i) * width + taxel],
+                              2);
+        double& largest = effect.square_psi[at * width + taxel];
+        largest = std::fmax(largest, squares / static_cast<double>(steps.size()));
+      }
+  }
+}
+
+}  // namespace
+
+double median_dwell_s(const Dataset& dataset) {
+  std::vector<double> medians;
+  for (const SequenceData& sequence : dataset.sequences)
+    for (const Repeat& repeat : sequence.repeats) medians.push_back(median_dwell_of(repeat));
+  return median_of(std::move(medians));
+}
+
+DwellEffect dwell_effect_of(const Dataset& calibration, std::span<const Dataset* const> runs, const SensorModel& fit,
+                            int threads) {
+  DwellEffect effect;
+  const double usual = median_dwell_s(calibration);
+  for (const Dataset* run : runs) {
+    for (std::size_t s = 0; s < run->sequences.size(); ++s) {
+      const SequenceData& loop = run->sequences[s];
+      std::vector<double> dwell;
+      for (const Repeat& repeat : loop.repeats) dwell.push_back(median_dwell_of(repeat));
+      if (dwell.size() < 2 || std::ranges::any_of(dwell, [](double at) { return !(at > 0.0); }) || !(usual > 0.0))
+        continue;
+      const auto [low, high] = std::ranges::minmax(dwell);
+      if (high < kOtherPace * low) continue;
+      const auto off = [&](double at) { return std::abs(std::log(at / usual)); };
+      const auto base = static_cast<std::size_t>(std::ranges::min_element(dwell, {}, off) - dwell.begin());
+      const FrameErrors errors = frame_errors(*run, fit, threads);
+      const auto begin = std::ranges::find(errors.frames, s, &FrameErrors::Frame::sequence) - errors.frames.begin();
+      effect.run = run->run;
+      effect.low_s = low;
+      effect.high_s = high;
+      add_changes(errors, static_cast<std::size_t>(begin), loop, base, fit, effect);
+      effect.not_assessed.clear();
+      return effect;
+    }
+  }
+  return effect;
 }
 
 }  // namespace tactbench::analysis
