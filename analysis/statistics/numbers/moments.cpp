@@ -59,8 +59,8 @@ double quantile_between(std::span<const double> sorted, double share) {
 
 Between place_among(std::span<const double> rising, double at) {
   const auto above = static_cast<std::size_t>(std::ranges::lower_bound(rising, at) - rising.begin());
-  if (above == 0) return {};
   if (above == rising.size()) return {above - 1, above - 1, 0.0};
+  if (above == 0 || rising[above] == at) return {above, above, 0.0};  // of one alone: the other may be none
   return {above - 1, above, (at - rising[above - 1]) / (rising[above] - rising[above - 1])};
 }
 

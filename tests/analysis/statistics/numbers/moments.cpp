@@ -60,6 +60,42 @@ TEST_CASE("moments: medians and quantiles are one of the values, or lie between 
   CHECK(quantile_between(Doubles{7.0}, 0.9) == 7.0);
 }
 
+TEST_CASE("moments: a value lies between two rising ones, on one of them, or at the end beyond which it is") {
+  struct Row {
+    double at;
+    std::size_t low, high;
+    double share;
+  };
+  for (const Row& row : {Row{0.5, 0, 0, 0.0},
+                         {1.0, 0, 0, 0.0},
+                         {1.5, 0, 1, 0.5},
+                         {2.0, 1, 1, 0.0},
+                         {5.0, 1, 2, 0.75},
+                         {6.0, 2, 2, 0.0},
+                         {7.0, 2, 2, 0.0},
+                         {kNan, 0, 0, 0.0}}) {
+    CAPTURE(row.at);
+    const Between place = place_among(Doubles{1.0, 2.0, 6.0}, row.at);
+    CHECK(place.low == row.low);
+    CHECK(place.high == row.high);
+    CHECK(place.share == row.share);
+  }
+}
+
+TEST_CASE("moments: scatter within and between groups of unequal size matches hand-computed values") {
+  // Means 2, 5 and 9 of 2, 3 and 1 values, 28/6 of all: within 2 + 2 of 3 degrees of freedom.
+  const std::vector<Doubles> groups{{1.0, 3.0}, {}, {4.0, 5.0, 6.0}, {9.0}};
+  const GroupedScatter scatter = grouped_scatter(groups);
+  CHECK(scatter.groups == 3.0);
+  CHECK(scatter.readings == 6.0);
+  CHECK(scatter.within_dof == 3.0);
+  CHECK(scatter.within == Approx(4.0 / 3));
+  const double all = 28.0 / 6, squares = 2 * std::pow(2 - all, 2) + 3 * std::pow(5 - all, 2) + std::pow(9 - all, 2);
+  CHECK(scatter.between == Approx((squares / 2 - 4.0 / 3) / ((6 - 14.0 / 6) / 2)));
+  CHECK(grouped_scatter(std::vector<Doubles>{{1.0, 2.0}}).between == 0.0);
+  CHECK(grouped_scatter(std::vector<Doubles>{{1.0}, {1.0}}).within == 0.0);
+}
+
 TEST_CASE("moments: least-squares line, its residual and the correlation match hand-computed values") {
   const Doubles x{0.0, 1.0, 2.0, 3.0, 4.0}, y{1.0, 3.0, 5.0, 7.0, 9.0};
   const LineFit line = line_fit(x, y);
