@@ -165,10 +165,10 @@ TEST_CASE("dwell effect: is the largest mean square of the repeats against the o
   CHECK(std::isnan(square(1, true, 2)));
   CHECK(square(3, true, 0) == Approx(0.0).margin(1e-12));
   CHECK(square(2, false, 0) == Approx(1.0));
-  CHECK(std::isnan(square(2, true, 0)));      // no step within 4 psi of 40 psi on the way up
-  CHECK(std::isnan(square(1, false, 0)));     // nor of 20 psi on the way down
-  // 1.7 s are 1.7 times as long as 1 s and 1.76 times as short as 3 s, 5 s 1.6 and 1.67 times as 8 s and 3 s: the first and
-  // the last repeat lie furthest apart.
+  CHECK(std::isnan(square(2, true, 0)));   // no step within 4 psi of 40 psi on the way up
+  CHECK(std::isnan(square(1, false, 0)));  // nor of 20 psi on the way down
+  // 1.7 s are 1.7 times as long as 1 s and 1.76 times as short as 3 s, 5 s 1.6 and 1.67 times as 8 s and 3 s: the first
+  // and the last repeat lie furthest apart.
   for (const auto& [usual_s, largest] : {std::pair{1.7, 34.0}, {1.8, 14.0}, {4.8, 14.0}, {5.0, 34.0}})
     CHECK(dwell_of(paced, usual_s).square_psi[3] == Approx(largest / 3));
 }
