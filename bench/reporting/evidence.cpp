@@ -194,7 +194,7 @@ std::vector<db::RunRecord> named_runs(analysis::Runs& runs, const std::vector<st
     if (!void_too || !named.void_can_be_used)
       throw Error("TB-RUN-VOID", why, named.at,
                   named.void_can_be_used
-                      ? "name another run, or add --void-too: the results are then marked as from void runs"
+                      ? "name another run, or add --void-too; the results are then marked as from void runs"
                       : "name another run: a void run cannot be accepted");
     tty::print(stderr, "warning: {}; used because of --void-too\n", why);
   }

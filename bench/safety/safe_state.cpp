@@ -197,7 +197,7 @@ SafeProof prove(Rig& rig, const UnloadedFrame& baseline) {
                      : proof.state == db::SafeState::kFailed ? "NOT SAFE: pressure remains"
                                                              : "vent NOT verified";
   const std::string order =
-      ordered ? "" : "the pressure source did not accept the command:  " + when_source_is_lost(config) + "; ";
+      ordered ? "" : "the pressure source did not accept the command: " + when_source_is_lost(config) + "; ";
   proof.text = fmt::format("{} ({}", head, order);
   proof.text.add(told) += ")";
   if (!verified) proof.text += "; read a hand gauge before the chamber is opened";

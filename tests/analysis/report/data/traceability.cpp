@@ -53,11 +53,11 @@ TEST_CASE("traceability: a press run states force and place, and pressure if it 
     return words;
   };
   input.history.presses = true;
-  CHECK(quantities() == "pressure- force- place- ");
+  CHECK(quantities() == "pressure- force- position- ");
   input.evaluation.levels.clear();
   input.run.devices = {instrument("stage x", "", "", R"({"certificate":"S-1"})"),
                        instrument("force sensor", "ATI", "FT-1", R"({"certificate":""})")};
-  CHECK(quantities() == "force- place+ ");
+  CHECK(quantities() == "force- position+ ");
   input.laboratory.instruments = {{"FT-1", "F-7", "ATI", "2024-01-31", "2025-01-31", ""}};
-  CHECK(quantities() == "force+ place+ ");
+  CHECK(quantities() == "force+ position+ ");
 }
