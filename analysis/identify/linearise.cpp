@@ -92,11 +92,13 @@ Congruency find_divider(const FitData& data) {
   result.plain_rms = result.rms = misfit(crossings, result.divider);
   const double span = data.ascending.y().back() - result.divider.zero;
   const auto at = [&](double share) { return Divider{result.divider.zero, share / span}; };
-  constexpr int kGrid = 49;
+  constexpr int kAmplitudes = 49;
   int best = 0;
-  for (int i = 1; i <= kGrid; ++i)
-    if (misfit(crossings, at(kMostShare * i / kGrid)) < misfit(crossings, at(kMostShare * best / kGrid))) best = i;
-  double low = kMostShare * std::max(best - 1, 0) / kGrid, high = kMostShare * std::min(best + 1, kGrid) / kGrid;
+  for (int i = 1; i <= kAmplitudes; ++i)
+    if (misfit(crossings, at(kMostShare * i / kAmplitudes)) < misfit(crossings, at(kMostShare * best / kAmplitudes)))
+      best = i;
+  double low = kMostShare * std::max(best - 1, 0) / kAmplitudes,
+         high = kMostShare * std::min(best + 1, kAmplitudes) / kAmplitudes;
   constexpr double kGolden = 0.6180339887498949;
   for (int i = 0; i < 40; ++i) {
     const double a = high - kGolden * (high - low), b = low + kGolden * (high - low);

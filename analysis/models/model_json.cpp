@@ -10,22 +10,20 @@
 
 namespace tactbench::analysis {
 
-using Json = nlohmann::ordered_json;
-
-const Json& json_member(const Json& json, const std::string& name) {
+const nlohmann::ordered_json& json_member(const nlohmann::ordered_json& json, const std::string& name) {
   if (!json.is_object() || !json.contains(name)) throw std::invalid_argument("model: \"" + name + "\" is missing");
   return json.at(name);
 }
 
-double json_number(const Json& json, const std::string& name) {
-  const Json& value = json_member(json, name);
+double json_number(const nlohmann::ordered_json& json, const std::string& name) {
+  const nlohmann::ordered_json& value = json_member(json, name);
   if (!value.is_number() || !std::isfinite(value.get<double>()))
     throw std::invalid_argument("model: \"" + name + "\" is not a number");
   return value.get<double>();
 }
 
-std::vector<double> json_numbers(const Json& json, const std::string& name) {
-  const Json& list = json_member(json, name);
+std::vector<double> json_numbers(const nlohmann::ordered_json& json, const std::string& name) {
+  const nlohmann::ordered_json& list = json_member(json, name);
   const auto number = [](const auto& value) {
     return value.is_number() && std::isfinite(value.template get<double>());
   };
@@ -34,8 +32,8 @@ std::vector<double> json_numbers(const Json& json, const std::string& name) {
   return list.get<std::vector<double>>();
 }
 
-bool json_flag(const Json& json, const std::string& name) {
-  const Json& value = json_member(json, name);
+bool json_flag(const nlohmann::ordered_json& json, const std::string& name) {
+  const nlohmann::ordered_json& value = json_member(json, name);
   if (!value.is_boolean()) throw std::invalid_argument("model: \"" + name + "\" is neither true nor false");
   return value.get<bool>();
 }
@@ -44,7 +42,7 @@ namespace {
 
 class JsonSource final : public ModelSource {
  public:
-  explicit JsonSource(const Json& json) : json_(json) {}
+  explicit JsonSource(const nlohmann::ordered_json& json) : json_(json) {}
   [[nodiscard]] double number(const std::string& member) const override { return of(json_number, member); }
   [[nodiscard]] std::vector<double> numbers(const std::string& member) const override {
     return of(json_numbers, member);
@@ -53,12 +51,12 @@ class JsonSource final : public ModelSource {
 
  private:
   template <class Value>
-  Value of(Value (*read)(const Json&, const std::string&), const std::string& member) const {
+  Value of(Value (*read)(const nlohmann::ordered_json&, const std::string&), const std::string& member) const {
     const std::size_t slash = member.find('/');
     return slash == std::string::npos ? read(json_, member)
                                       : read(json_member(json_, member.substr(0, slash)), member.substr(slash + 1));
   }
-  const Json& json_;
+  const nlohmann::ordered_json& json_;
 };
 
 template <class... Models>
@@ -72,17 +70,17 @@ constexpr const char* kLinearised = "linearised";
 
 }  // namespace
 
-Json model_json(const HysteresisModel& model) {
+nlohmann::ordered_json model_json(const HysteresisModel& model) {
   const auto* const outer = dynamic_cast<const LinearisedModel*>(&model);
-  Json json{{"model", outer == nullptr ? model.name() : kLinearised}};
+  nlohmann::ordered_json json{{"model", outer == nullptr ? model.name() : kLinearised}};
   for (const auto& [name, member] : model.members())
-    std::visit([&](const auto& value) { json[Json::json_pointer("/" + name)] = value; }, member);
+    std::visit([&](const auto& value) { json[nlohmann::ordered_json::json_pointer("/" + name)] = value; }, member);
   if (outer != nullptr) json["of"] = model_json(outer->inner());
   return json;
 }
 
-std::unique_ptr<HysteresisModel> model_from_json(const Json& json) {
-  const Json& model = json_member(json, "model");
+std::unique_ptr<HysteresisModel> model_from_json(const nlohmann::ordered_json& json) {
+  const nlohmann::ordered_json& model = json_member(json, "model");
   if (!model.is_string()) throw std::invalid_argument("model: \"model\" is not a name");
   const auto name = model.get<std::string>();
   if (name == kLinearised)
