@@ -230,7 +230,7 @@ ExternalLoop external_loop(std::span<const TaxelTable> sequences, int taxels, do
     throw AnalysisError("TB-ANALYSIS-NO-LOOP",
                         fmt::format("no sweep {} over the full {}", up.empty() ? "rises" : "falls",
                                     turn > 0.0 ? "range of inputs" : "pressure range"),
-                        "measure from the lowest to the highest and back without a turn");
+                        "measure from the lowest to the highest level and back without a reversal between");
   const Sweep& finest = *std::ranges::max_element(up, {}, &Sweep::size);
   ExternalLoop loop;
   loop.left_out = left_out;

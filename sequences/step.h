@@ -1,4 +1,4 @@
-// The steps that the sequencer executes in order, and their extremes, which can be computed without a device. `plan`
+// The steps that the sequencer executes in order, and the lowest and highest set-points of a recipe. `plan`
 // lists them, `run` executes them, and both get them from compile() in recipe.h.
 #pragma once
 

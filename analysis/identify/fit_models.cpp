@@ -215,10 +215,11 @@ std::unique_ptr<Identifier> prepare(const std::string& name, const FitData& like
     std::vector<const char*> others;
     for (const ModelKind& other : kModelKinds)
       if (!other.of_loop) others.push_back(other.name);
-    throw AnalysisError("TB-ANALYSIS-NO-LOOP", name + " is made of the external loop: " + like.no_loop,
-                        fmt::format("measure from the lowest to the highest and back without a turn, or fit a model "
-                                    "that needs no external loop: --model {}",
-                                    fmt::join(others, ",")));
+    throw AnalysisError(
+        "TB-ANALYSIS-NO-LOOP", name + " is made of the external loop: " + like.no_loop,
+        fmt::format("measure from the lowest to the highest level and back without a reversal between, or fit a model "
+                    "that needs no external loop: --model {}",
+                    fmt::join(others, ",")));
   }
   if (!options.linearise) return kind->prepare(like, options);
   // The congruency test is about Preisach's kind of model, and tells of it what held branches would: there errors are

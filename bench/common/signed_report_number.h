@@ -1,4 +1,4 @@
-// Recognises signed reports by the data that they contain.
+// Finds the number of a signed report in the data that its page or JSON document contains.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// The axes of a stage.
+// Names of a stage's axes.
 #pragma once
 
 namespace tactbench::devices {

@@ -1,5 +1,5 @@
-// J of many candidates of one taxel at a time, in vector lanes (vector_lanes.h): what the searches of identification
-// spend their time in. The last polish runs in lanes, too.
+// The cost J of many candidate parameter sets of one taxel at a time, in vector lanes (vector_lanes.h): most of the
+// time of ELAM's identification.
 #pragma once
 
 #include <array>

@@ -178,7 +178,7 @@ TEST_CASE("strict tables: each table of a bench file rejects an unknown key") {
   }
 }
 
-TEST_CASE("strict tables: channel counts need the channels in the module, a watchdog time needs a settable watchdog") {
+TEST_CASE("bench file: channel counts need as many channels in the module, a watchdog time a settable watchdog") {
   const std::string text = bench_text("simulated");
   const Changes pair{{"module.profile", "moxa-iologik-e1241"},
                      {"input_module.profile", "moxa-iologik-e1240"},

@@ -98,7 +98,7 @@ TEST_CASE("nightly scenario: held-out runs have seeds of their own and are judge
   CHECK(store.verdicts(3).size() == 8);
 }
 
-TEST_CASE("nightly scenario: judged on its own run, an unexpected dead taxel is an error") {
+TEST_CASE("nightly scenario: only its own run is judged, an unexpected dead taxel is an error") {
   CarriedScenario made;
   made.scenario.own_run = true;
   made.scenario.set = {"simulation.defect=[{kind=\"dead\",row=3,column=4}]"};

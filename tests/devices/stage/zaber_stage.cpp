@@ -201,7 +201,7 @@ TEST_CASE("Zaber stage: state reports activity from the device's status, and its
   CHECK(alone.sent() == std::vector<ZaberFrame>{{1, kStatus, 0, 0}, {1, kPosition, 0, 0}});
 }
 
-TEST_CASE("Zaber stage: send_home needs no reply, disarms, and lets the reply timeout pass") {
+TEST_CASE("Zaber stage: send_home needs no reply, leaves the stage disarmed, and waits one reply timeout") {
   ReadyStage alone;
   const Nanoseconds begin = alone.clock.now();
   CHECK(alone.stage.send_home(Axis::kZ));

@@ -23,7 +23,7 @@ Dataset run_of_two() {
 TEST_CASE("model document: every model kind is read back bit for bit, and predicts the same") {
   Histories histories = histories_of(run_of_two());
   histories.content_sha256 = "0123456789abcdef";
-  for (const std::string name : model_names()) {
+  for (const std::string& name : model_names()) {
     INFO(name);
     const SensorModel document = fit_models(name, histories, {}, {.starts = 2});
     const std::string text = to_text(document);

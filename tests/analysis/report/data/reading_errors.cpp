@@ -61,7 +61,8 @@ TEST_CASE("reading errors: the worst kind of history is quoted, the worst taxel 
   CHECK(found.worst.kind == name_of(UseCondition::kFullSweeps));
 }
 
-TEST_CASE("reading errors: the measuring interval is the longest run of levels per direction, the headline of both") {
+TEST_CASE(
+    "reading errors: the measuring interval is the longest unbroken sequence of levels, per direction and for both") {
   ReportInput input = read_at_levels();
   ReadingFigures found = reading_figures(input).value();
   CHECK((found.tolerance_psi == Approx(1.2) && !found.by_mpe));
