@@ -164,8 +164,7 @@ TEST_CASE("mounts: one, two and three sweeps are weighted by their number") {
   CHECK(found.per_taxel_degrees == 2);  // one taxel: of its own there is nothing, and the number is not 0
 }
 
-TEST_CASE(
-    "mountings: the common shift and that of each taxel match hand-computed values, unread taxels are left out") {
+TEST_CASE("mountings: the common shift and that of each taxel match hand-computed values, unread taxels are left out") {
   // One sweep a mount; at 20 psi the taxels move by +3 and +1 psi: variances 4.5 and 0.5, of their mean 2. The third is
   // not fitted.
   const std::vector<MountedRun> mounts{mount_with(1, {20}, 1, 3, {20, 20, kNan}),
