@@ -174,7 +174,7 @@ std::string readme_text(const SensorModel& model, const FixedModel& fixed, const
   return fmt::format(
       R"(# {0}: {1} of {2} ({3} data)
 
-Counts of a converter in, counts of pressure out, in integers. C99 or C++11, no library, no allocation, words of at most 32 bits.
+Counts of a converter in, counts of pressure out, in integers. C99 or C++11, no library, no allocation, at most 32 bits.
 Not verified on hardware.
 
 | file | is |

@@ -29,7 +29,7 @@ enum {
 #define TB_OUTLINE static inline
 #endif
 
-/* Processors that do not divide or have no product of 64 bits: a quotient by products, these by products of 32. */
+/* Processors that do not divide: a quotient by products. */
 #if defined(__ARM_ARCH_6M__) || defined(__ARM_ARCH_8M_BASE__)
 #define TB_SHORT 1
 #else
@@ -60,13 +60,9 @@ TB_OUTLINE uint32_t tb_r_short(uint32_t a, uint32_t b) {
   for (rest = (a << 16) - ratio * b; rest >= b; rest -= b) ++ratio;
   return ratio;
 }
-static inline int32_t tb_m_short(int32_t a, uint32_t b) {
-  return (a >> 16) * (int32_t)b + (int32_t)((((uint32_t)a & 0xFFFFU) * b) >> 16);
-}
-
 /* floor(a b / 65536), b below 65536. */
 static inline int32_t tb_m(int32_t a, uint32_t b) {
-  return TB_SHORT ? tb_m_short(a, b) : (int32_t)(((int64_t)a * (int32_t)b) >> 16);
+  return (a >> 16) * (int32_t)b + (int32_t)((((uint32_t)a & 0xFFFFU) * b) >> 16);
 }
 /* floor(a 65536 / b), 0 <= a < b < 65536. */
 static inline uint32_t tb_r16(uint32_t a, uint32_t b) { return TB_SHORT ? tb_r_short(a, b) : (a << 16) / b; }
@@ -231,17 +227,19 @@ static inline int tb_find_history(const tb_front* w, tb_taxel* t, int32_t y) {
 
 /* The mean: an output that does not move is averaged. */
 static inline void tb_follow(tb_taxel* t, int32_t y) {
-  const int32_t off = y - t->mean, size = off < 0 ? -off : off, cut = size < 2047 ? size : 2047;
+  const int32_t off = y - t->mean, size = off < 0 ? -off : off;
   const unsigned at = t->samples - 1U;
   const int moving = t->steps > TB_MOVING;
-  int32_t step;
-  if (!(t->flags & TB_BEGUN)) { /* the first sample of a history that is not known */
+  int32_t step = TB_STEP_CEILING; /* of 2047 or more: its square has 22 bits */
+  if (!(t->flags & TB_BEGUN)) {   /* the first sample of a history that is not known */
     t->flags |= TB_BEGUN;
     t->mean = t->extreme = y;
     return;
   }
-  step = tb_m(cut * cut, tb_step_share[at]) >> 4;
-  if (step > TB_STEP_CEILING) step = TB_STEP_CEILING;
+  if (size < 2047) {
+    step = tb_m(size * size, tb_step_share[at]) >> 4;
+    if (step > TB_STEP_CEILING) step = TB_STEP_CEILING;
+  }
   t->steps = (uint16_t)(t->steps + tb_m(step - (int32_t)t->steps, TB_STEP_WINDOW));
   if (moving || size > tb_jump[at]) {
     t->samples = 1;

@@ -29,8 +29,8 @@ BOARDS = {"cortex-m4": "mps2-an386", "cortex-m0plus": "mps2-an385"}  # an M0+'s 
 LIMITS = {("elam", "cortex-m4"): (260, 650, 45000, 24000), ("elam", "cortex-m0plus"): (700, 1600, 45000, 24000),
           ("dynamic", "cortex-m4"): (280, 680, 120000, 30000), ("dynamic", "cortex-m0plus"): (700, 1600, 120000, 30000)}
 # Each changes one step of the arithmetic: rounding, clamp, turn, stack, packing.
-FAULTS = {"rounding": ("tb_fixed.h", r"\(int64_t\)a \* \(int32_t\)b", "(int64_t)a * (int32_t)b + 0x8000"),
-          "clamp": ("tb_fixed.h", r"if \(step > TB_STEP_CEILING\) step = TB_STEP_CEILING;", ""),
+FAULTS = {"rounding": ("tb_fixed.h", r"\(\(\(\(uint32_t\)a & 0xFFFFU\) \* b\) >> 16\)", "((((uint32_t)a & 0xFFFFU) * b + 0x8000U) >> 16)"),
+          "clamp": ("tb_fixed.h", r"int32_t step = TB_STEP_CEILING;", "int32_t step = 2 * TB_STEP_CEILING;"),
           "turn": ("tb_fixed.h", r"behind > tb_band\[fewer\]", "behind >= 2 * tb_band[fewer]"),
           "stack": ("tb_{}.h", r"below -= 2;", "below -= 1;"),
           "packing": ("tb_fixed.h", r"\(high & 0x8000U \? 0x10000 : 0\)\) \* 0x10000 \+ \(int32_t\)low",
