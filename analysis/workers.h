@@ -12,7 +12,6 @@ void for_each_index(std::size_t count, int threads, const std::function<void(std
 
 // Counts the progress of the current work, for display: work that is split into many equal pieces (workers.h, rows of a
 // table). One count per program; counting never blocks.
-
 struct WorkNow {
   std::size_t works = 0;            // works begun since the program started
   std::size_t done = 0, count = 0;  // pieces of the current work; count 0: none

@@ -20,7 +20,6 @@ struct Identity {
 // Rules for every actuator (pressure source or stage): it sends nothing until armed, refuses an out-of-range command
 // before sending it, keeps no command across a broken link, and can be made safe (PressureSource::vent, Stage::halt)
 // from any state. tests/devices/actuator_contract_wire.cpp tests each driver against these rules.
-
 class Actuator {
  public:
   virtual ~Actuator() = default;
@@ -35,7 +34,6 @@ class Actuator {
 
 // The error type of devices/: a failed exchange with something outside the program. `what()` states what was requested,
 // what was received and from whom; `remedy()` what to try. `id()` is stable across releases, e.g. TB-MODBUS-TIMEOUT.
-
 class Fault : public std::runtime_error {
  public:
   // `remedy` empty: the caller uses the remedy for the id in bench/common/error_table.h.

@@ -45,8 +45,7 @@ file(READ ${root}/quickstart quickstart)
 set(heavy "^#include [<\"](toml\\+\\+/|nlohmann/json\\.hpp|CLI/|Eigen/)")
 set(may_be_heavy
   analysis/algebra/dense.h  # its functions take Eigen's matrices; those who solve and multiply with them
-  analysis/identify/rivals/gpi_search.h     # the matrices of GPI's searches: gpi_search.cpp, gpi_search.cpp
-  analysis/identify/rivals/gpi_search.h  # keeps such a matrix; gpi_search.cpp
+  analysis/identify/rivals/gpi_search.h  # the matrices of GPI's searches; gpi_search.cpp
   analysis/identify/rivals/nnls.h  # its functions take Eigen's matrices; preisach.cpp and its test
   devices/force/ati_matrix.h      # the matrices of a calibration; two drivers, their simulated ends and tests
   devices/force/daq_ft.h          # keeps such a matrix; bench/config/config_force.cpp and its test
@@ -71,7 +70,7 @@ foreach(room devices db sequences analysis bench tests)
         complain("${file}: a test's name has a word that strangers misread (reported, again, next to, equal): ${cases}")
       endif()
     endif()
-    if(NOT room STREQUAL "tests" AND NOT file STREQUAL "bench/common/terminal_safe.cpp")
+    if(NOT room STREQUAL "tests" AND NOT file STREQUAL "bench/common/terminal.cpp")
       file(STRINGS ${root}/${file} raw REGEX "fmt::print\\(|std::(cout|cerr|puts|printf)")
       if(NOT raw STREQUAL "")
         complain("${file}: talk past terminal_safe() (${raw}); bench has tty::print(), the other rooms say nothing to people")

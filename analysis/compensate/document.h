@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/compensate/frame_compensator.h"
+#include "analysis/compensate/compensator.h"
 #include "analysis/models/pattern_curve.h"
 
 namespace tactbench::analysis {

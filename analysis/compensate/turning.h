@@ -26,8 +26,7 @@
 #include <vector>
 
 #include "analysis/compensate/compensator.h"
-#include "analysis/models/interval.h"
-#include "analysis/models/piece.h"
+#include "analysis/models/pattern_curve.h"
 
 namespace tactbench::analysis {
 

@@ -90,7 +90,6 @@ std::vector<double> predict_history(const HysteresisModel& model, const History&
 
 // Identification in two steps: first what depends only on the inputs, then the outputs. The taxels of an array share
 // their inputs, so that the first step is made once for all of them.
-
 class Identifier {
  public:
   virtual ~Identifier() = default;

@@ -1,11 +1,11 @@
 // Identification of any model on the linearised output (analysis/models/linearised.h): the divider
-// (analysis/models/divider.h) by the congruency test, data alone, and whether it stays by cross-validation.
+// (analysis/models/linearised.h) by the congruency test, data alone, and whether it stays by cross-validation.
 #pragma once
 
 #include <functional>
 
 #include "analysis/identify/fit_models.h"
-#include "analysis/models/divider.h"
+#include "analysis/models/linearised.h"
 
 namespace tactbench::analysis {
 

@@ -7,10 +7,10 @@
 #include <stdexcept>
 
 #include "analysis/compensate/document.h"
-#include "analysis/identify/compensators.h"
 #include "analysis/identify/fit_samples.h"
-#include "analysis/models/interval.h"
+#include "analysis/identify/sensor_model.h"
 #include "analysis/models/linearised.h"
+#include "analysis/models/pattern_curve.h"
 #include "analysis/models/preisach.h"
 #include "analysis/workers.h"
 

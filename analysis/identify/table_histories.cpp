@@ -10,7 +10,6 @@
 #include "analysis/counted.h"
 #include "analysis/error.h"
 #include "analysis/identify/histories.h"
-#include "analysis/statistics/numbers/difference_noise.h"
 #include "analysis/statistics/numbers/moments.h"
 
 namespace tactbench::analysis {

@@ -2,7 +2,7 @@
 // (model.h): equation, inverse and members in the files of its name here, identification in analysis/identify.
 #pragma once
 
-#include "analysis/models/elam_hysteresis.h"
+#include "analysis/models/elam.h"
 #include "analysis/models/gpi.h"
 #include "analysis/models/monotone.h"
 #include "analysis/models/mpi.h"

@@ -1,11 +1,31 @@
-// Any hysteresis model on the linearised output: what it models is u = v / (1 - c v) of the measured output
-// (divider.h), one number a taxel more.
+// Any hysteresis model on the linearised output: what it models is u = v / (1 - c v) of the measured output, one number
+// a taxel more.
 #pragma once
 
-#include "analysis/models/divider.h"
+#include <algorithm>
+
 #include "analysis/models/model.h"
 
 namespace tactbench::analysis {
+
+// The readout of a resistive taxel as a divider, and the way back: u = v / (1 - c v), v counted from the unloaded
+// output (bench/simulation/README.md, 4). u is what the contact's conductance would give
+// without the divider, in the output's unit where v is small.
+struct Divider {
+  double zero = 0.0;                      // output without load
+  double per_amplitude = 0.0;             // c = 1 / A, A the highest output that the divider can give; 0: none, u = v
+  static constexpr double kMost = 0.995;  // of A: outputs above are taken as this
+
+  [[nodiscard]] double linear(double output) const {
+    const double v = output - zero, share = v * per_amplitude;
+    return share <= kMost ? v / (1.0 - share) : linear_end() + (v - kMost / per_amplitude);
+  }
+  [[nodiscard]] double output(double u) const {
+    if (per_amplitude > 0.0 && u > linear_end()) return zero + kMost / per_amplitude + (u - linear_end());
+    return zero + u / (1.0 + u * per_amplitude);
+  }
+  [[nodiscard]] double linear_end() const { return kMost / per_amplitude / (1.0 - kMost); }
+};
 
 class LinearisedModel final : public HysteresisModel {
  public:

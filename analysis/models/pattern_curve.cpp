@@ -4,7 +4,6 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "analysis/models/interval.h"
 #include "analysis/models/model.h"
 
 namespace tactbench::analysis {

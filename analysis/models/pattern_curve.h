@@ -2,16 +2,25 @@
 // 4.1 (linear interpolation of the measured external loop).
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "analysis/models/piece.h"
-
 namespace tactbench::analysis {
 
 class ModelSource;
+
+// A linear piece of a model's branch, from outputs to inputs.
+// x = x_a + slope (y - y_a) for low <= y <= high.
+struct CurvePiece {
+  double low = 1.0, high = 0.0, y_a = 0.0, x_a = 0.0, slope = 0.0;  // as made it holds nothing
+  [[nodiscard]] bool holds(double y) const { return y >= low && y <= high; }
+  [[nodiscard]] double along(double y) const { return x_a + slope * (y - y_a); }
+};
+// The open end of a constant piece.
+inline constexpr double kFarOutput = 1e300;
 
 class PatternCurve {
  public:
@@ -35,5 +44,12 @@ class PatternCurve {
 
 // Through a model's member "x" and that of its outputs. Throws std::invalid_argument.
 PatternCurve curve_from(const ModelSource& source, const std::string& outputs);
+
+// Index of the grid interval that contains a coordinate; always an index of the table, for any number.
+// Of n intervals of length 1 starting at 0; outside the nearest one, for NaN the first.
+template <class Real>
+std::size_t interval_of(Real at, std::size_t n) {
+  return static_cast<std::size_t>(std::min(std::max(Real(0), at), static_cast<Real>(n - 1)));
+}
 
 }  // namespace tactbench::analysis

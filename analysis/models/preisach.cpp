@@ -5,8 +5,8 @@
 #include <limits>
 #include <stdexcept>
 
-#include "analysis/models/interval.h"
 #include "analysis/models/invert.h"
+#include "analysis/models/pattern_curve.h"
 
 namespace tactbench::analysis {
 namespace {

@@ -6,7 +6,7 @@
 #include "analysis/error.h"
 #include "analysis/report/data/data.h"
 #include "analysis/report/dcc/dcc.h"
-#include "analysis/report/document/printers.h"
+#include "analysis/report/document/document.h"
 #include "analysis/report/page/page.h"
 #include "analysis/report/report_facts.h"
 #include "analysis/report/sections/sections.h"

@@ -11,7 +11,7 @@
 
 #include "analysis/counted.h"
 #include "analysis/report/data/conformity.h"
-#include "analysis/report/document/printers.h"
+#include "analysis/report/document/document.h"
 #include "bench/cli/session.h"
 
 namespace tactbench::bench {

@@ -6,11 +6,11 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "analysis/documents/evaluation_json.h"
+#include "analysis/documents/run_json.h"
 #include "analysis/json_fields.h"
 #include "analysis/json_io.h"
-#include "analysis/report/document/printers.h"
-#include "bench/common/screen.h"
+#include "analysis/report/document/document.h"
+#include "bench/common/terminal.h"
 #include "bench/reporting/named_evaluation.h"
 #include "db/utf8.h"
 

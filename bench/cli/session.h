@@ -17,7 +17,7 @@
 #include "bench/cli/profile_options.h"
 #include "bench/cli/verbs.h"
 #include "bench/common/error.h"
-#include "bench/common/terminal_safe.h"
+#include "bench/common/terminal.h"
 
 namespace tactbench::bench {
 
@@ -46,7 +46,6 @@ struct Session {
   [[nodiscard]] std::string bench_file(const char* otherwise = nullptr) const;
   // --bench as typed, else empty: a bench's id or file, for verbs that only query a live run.
   [[nodiscard]] std::string typed_bench() const { return typed("--bench") ? bench : std::string(); }
-  [[nodiscard]] std::string typed_db() const { return typed("--db") ? db : std::string(); }
   // Uses --db only if typed: the results of a demonstration or a nightly run do not belong in the user's own store.
   void use_db_only_if_typed();
   ProfileOptions profile;

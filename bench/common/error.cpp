@@ -9,7 +9,7 @@
 
 #include "analysis/error.h"
 #include "analysis/json_io.h"
-#include "bench/common/terminal_safe.h"
+#include "bench/common/terminal.h"
 #include "db/fleet/fleet_error.h"
 #include "db/run_store.h"
 #include "devices/device.h"

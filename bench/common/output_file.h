@@ -41,4 +41,8 @@ std::size_t write_output(const std::string& path, const std::string& kind, const
 // TB-FILE-WRITE.
 void write_whole(const std::string& path, const std::string& text);
 
+// Finds the number of a signed report in the data that its page or JSON document contains.
+// Number of the signed report in a page or JSON document, from its data; empty: not a signed report.
+std::string signed_report_number_in(const std::string& text);
+
 }  // namespace tactbench::bench

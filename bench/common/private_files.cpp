@@ -7,17 +7,18 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <string_view>
 
 #include "bench/common/error.h"
 #include "db/run_store.h"
 
 namespace tactbench::bench {
-
 namespace {
 
 namespace fs = std::filesystem;
@@ -164,6 +165,16 @@ ScratchFolder::~ScratchFolder() {
   std::error_code ignored;
   fs::remove_all(path_, ignored);
   ::close(lock_);
+}
+
+std::string file_text(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  file.exceptions(std::ios::badbit);
+  std::string text;
+  std::array<char, std::size_t{1} << 14> block;
+  while (file.read(block.data(), block.size()), file.gcount() > 0)
+    text.append(block.data(), static_cast<std::size_t>(file.gcount()));
+  return text;
 }
 
 }  // namespace tactbench::bench

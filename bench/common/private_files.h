@@ -2,6 +2,7 @@
 // group. Existing ones are checked before use, and no link is followed.
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 namespace tactbench::bench {
@@ -45,5 +46,9 @@ class ScratchFolder {
   std::string path_;
   int lock_ = -1;
 };
+
+// Reads a whole file as text, for files that belong to the program.
+// All bytes of the file; empty when it cannot be opened. Throws std::ios_base::failure where reading fails.
+std::string file_text(const std::filesystem::path& path);
 
 }  // namespace tactbench::bench

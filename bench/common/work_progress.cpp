@@ -10,8 +10,7 @@
 #include <utility>
 
 #include "analysis/workers.h"
-#include "bench/common/screen.h"
-#include "bench/common/terminal_safe.h"
+#include "bench/common/terminal.h"
 
 namespace tactbench::bench {
 namespace {

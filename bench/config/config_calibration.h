@@ -1,10 +1,13 @@
-// The calibrations stated in a bench file: certificate, dates, U; and values that are still FILL-IN.
+// The calibrations stated in a bench file: certificate, dates, U, values that are still FILL-IN; and their status as
+// text.
 #pragma once
 
 #include <string>
 #include <vector>
 
+#include "analysis/statistics/uncertainty/instruments.h"
 #include "bench/config/config.h"
+#include "sequences/step.h"
 #include "sequences/toml/key_table.h"
 
 namespace tactbench::bench {
@@ -36,5 +39,17 @@ std::vector<std::string> placeholders_of(const BenchConfig& config);
 // FILL-IN (TB-BENCH-FILL-IN), or a certificate without what it covers (TB-BENCH-COVERS). Stored bench files are read
 // without this check.
 void refuse_placeholders(const BenchConfig& config);
+
+// Calibration status of the instruments that results are traced to, as text for `devices check`, `plan` and `run`.
+// "certificate C-1, due 2027-01-31", "certificate not stated, OVERDUE since 2025-01-31", and which statements of the
+// file were not used. `day` as 2026-01-31.
+std::string calibration_text(const analysis::InstrumentCalibration& calibration, const std::string& day,
+                             analysis::PressureUnit unit);
+
+// Warnings before a run of `steps`, one line each: overdue instruments among `records`, pressures beyond the
+// reference's certificate, values that still say FILL-IN.
+std::vector<std::string> calibration_warnings(const BenchConfig& config, const std::vector<db::DeviceRecord>& records,
+                                              const std::string& day, const std::vector<sequences::Step>& steps,
+                                              analysis::PressureUnit unit);
 
 }  // namespace tactbench::bench

@@ -10,7 +10,7 @@
 #include "devices/force/net_ft.h"
 #include "devices/force/simulated_digital_ft.h"
 #include "devices/force/simulated_net_ft.h"
-#include "devices/wire/serial_link.h"
+#include "devices/wire/byte_stream.h"
 
 namespace tactbench::bench {
 

@@ -7,9 +7,8 @@
 #include "devices/tactile/frame_source.h"
 #include "devices/tactile/hid_scanner.h"
 #include "devices/tactile/simulated_frame_source.h"
-#include "devices/wire/hid_link.h"
-#include "devices/wire/packet_link.h"
-#include "devices/wire/stream_link.h"
+#include "devices/wire/byte_stream.h"
+#include "devices/wire/report_link.h"
 
 namespace tactbench::bench {
 

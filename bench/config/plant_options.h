@@ -28,7 +28,6 @@ struct ChamberOptions {
 };
 
 // Parameters of the simulated contact: an object under the z stage, the fabric, and how the sensor is mounted.
-
 enum class Footprint { kRing, kPoint, kFlat };
 
 struct ContactOptions {

@@ -1,5 +1,5 @@
-// Acquires and compensates frames from a bench's tactile array as they arrive, for `live`. Read-only; touches no
-// actuator.
+// The verb `live`: frames of the tactile array acquired and compensated as they arrive, or without a model the values
+// of all instruments. Read-only; touches no actuator.
 #pragma once
 
 #include <cstddef>
@@ -11,6 +11,7 @@
 
 #include "analysis/export/quantise.h"
 #include "analysis/identify/stored/model_document.h"
+#include "analysis/pressure_unit.h"
 #include "bench/config/config.h"
 
 namespace tactbench::bench {
@@ -44,5 +45,16 @@ struct LiveSummary {
 // fit a device's integers.
 LiveSummary live_frames(const BenchConfig& config, const analysis::SensorModel& model, const LiveOptions& options,
                         const std::function<bool(const LiveFrame&)>& show);
+
+// Live values of a bench's instruments in the terminal, read-only: `live` without a model.
+struct WatchOptions {
+  double interval_s = 0.5;
+  long count = 0;         // 0: until Ctrl-C or a request to terminate
+  bool terminal = false;  // redraw in place; else one block of lines a reading
+  analysis::PressureUnit unit = analysis::PressureUnit::kPsi;
+};
+
+// A failing instrument shows its fault and is tried again at the next reading.
+void watch_devices(const BenchConfig& config, const WatchOptions& options);
 
 }  // namespace tactbench::bench

@@ -1,6 +1,8 @@
-// The view of a run in `status` and `watch`: the live run's own status, completed from its store. Read-only.
+// The view of a run in `status` and `watch`: the live run's own status, completed from its store, and followed until
+// the run ends. Read-only.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -9,6 +11,9 @@
 
 #include "analysis/pressure_unit.h"
 #include "bench/common/error.h"
+#include "bench/common/stop_request.h"
+#include "bench/common/terminal.h"
+#include "bench/monitor/heat_map.h"
 #include "bench/run/control/control_client.h"
 #include "db/run_store.h"
 
@@ -41,7 +46,6 @@ RunView view_of(const LiveRun& live);
 inline constexpr std::size_t kNeeded = 6;
 std::vector<std::string> view_lines(const RunView& view, analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
 // The same in one line, for output that is not a terminal.
-std::string view_line(const RunView& view, analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
 nlohmann::ordered_json view_json(const RunView& view);
 
 // Lines of a run without a process. `carried_out`: is_carried_out() of bench/run/control/locks.h.
@@ -52,5 +56,18 @@ std::string next_command(const StoredRun& run, const std::string& db);
 // The exit code that the run should have had, from the stored data: 0 completed, 1 refused by a check, 3 device,
 // process or another failure, 4 stopped or aborted, 5 store, 7 the safe state was not verified.
 ExitCode exit_code_of(const db::RunRecord& run);
+
+// Follows a live run until it ends: in a terminal one block that is redrawn in place, otherwise plain lines. Read-only.
+struct WatchRunOptions {
+  bool terminal = false;
+  Shades shades = Shades::kCharacters;
+  analysis::PressureUnit unit = analysis::PressureUnit::kPsi;
+  std::chrono::milliseconds every{500};         // between two requests to the run
+  std::chrono::milliseconds line_every{10000};  // plain lines: between two lines of one phase
+};
+
+// Returns the run as its store holds it after its end; none: `stop` came first. Throws StoreError when the store of the
+// ended run cannot be read.
+std::optional<StoredRun> watch_run(const LiveRun& first, const WatchRunOptions& options, const StopRequest& stop);
 
 }  // namespace tactbench::bench

@@ -19,7 +19,6 @@
 #include "analysis/counted.h"
 #include "bench/common/child_process.h"
 #include "bench/common/error.h"
-#include "bench/common/file_text.h"
 #include "bench/common/output_file.h"
 #include "bench/common/private_files.h"
 #include "bench/common/stop_request.h"

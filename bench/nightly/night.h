@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/nightly/scenario.h"
+#include "bench/nightly/suite.h"
 
 namespace tactbench::bench {
 

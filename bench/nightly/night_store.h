@@ -1,5 +1,5 @@
-// Stores nightly runs: copies the runs of each scenario into one store and compares the results with baselines and
-// earlier nights.
+// Stores nightly runs: copies the runs of each scenario into one store, compares the results with baselines and earlier
+// nights, and merges the stores of several machines.
 #pragma once
 
 #include <cstddef>
@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "bench/nightly/scenario.h"
 #include "bench/nightly/subject_trend.h"
+#include "bench/nightly/suite.h"
 #include "db/run_store.h"
 
 namespace tactbench::bench {
@@ -37,10 +37,33 @@ std::vector<SubjectTrend> compare_night(const Suite& suite, std::vector<Scenario
                                         const db::RunStore& store);
 
 // Copies to a store what another store recorded about a run after its end: fits, verdicts by them, figures.
-
 // Run `there` of `other` and run `here` of `store` have the same content. Copies the fits that `store` does not have,
 // with their verdicts on this run, and the figures of subjects that have none here. Returns the number of fits. Throws
 // StoreError TB-STORE-CONFLICT if they have changed since they were stored.
 std::size_t copy_fits(const db::RunStore& other, std::int64_t there, db::RunStore& store, std::int64_t here);
+
+// Merges several stores into one: runs, figures, baselines, and the parts of a nightly run that several machines
+// carried out. The merged night equals the night of one machine: the same runs with the same numbers, figures and
+// comparisons.
+struct MergedNight {
+  db::NightRecord record;  // without results
+  Suite suite;             // with its seeds
+  std::vector<ScenarioResult> results;
+  std::vector<SubjectTrend> followed;
+  bool there = false;  // was already in the store
+};
+
+struct MergedStores {
+  std::size_t runs = 0, there = 0;  // runs: copied; there: already in the store
+  std::size_t fits = 0;             // fits copied for runs that were already in the store
+  std::size_t baselines = 0;
+  std::vector<MergedNight> nights;  // nights of the parts, copied now or already in the store
+};
+
+// Copies from `parts` the runs that `store` does not have. Runs are identified by UUID, so that repeating a merge, also
+// an interrupted one, adds only missing runs. Nights come last, in the order of their start, each in its suite's order.
+// Throws Error TB-MERGE-SHARD if a part of a night is missing or there twice; nothing is copied then. StoreError
+// TB-STORE-CONFLICT if a run's content has changed since it was stored, or differs from the run with the same UUID.
+MergedStores merge_stores(const std::vector<std::string>& parts, db::RunStore& store);
 
 }  // namespace tactbench::bench

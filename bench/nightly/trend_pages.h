@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "bench/nightly/scenario.h"
 #include "bench/nightly/subject_trend.h"
+#include "bench/nightly/suite.h"
 
 namespace tactbench::bench {
 

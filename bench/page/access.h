@@ -1,5 +1,5 @@
-// Access rules of the page: one token for reading, one for commands, and the request headers by which a browser shows
-// which page the request comes from. Pure functions.
+// Access to the page: one token for reading, one for commands, the request headers by which a browser shows which page
+// the request comes from, and the addresses at which the page is reached.
 #pragma once
 
 #include <cstdint>
@@ -40,5 +40,10 @@ std::vector<std::string> hosts_of(const std::vector<std::string>& names, std::ui
 
 // 128 random bits as 32 hex digits.
 std::string new_token();
+
+// The addresses at which other machines reach this one.
+// Addresses of the interfaces that are up, in the system's order, each once: "192.0.2.7", with `v6` also "2001:db8::7".
+// Loopback and link-local addresses, which other machines cannot reach, are left out. Empty if there are none.
+std::vector<std::string> own_addresses(bool v6);
 
 }  // namespace tactbench::bench

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "analysis/json_io.h"
-#include "bench/common/terminal_safe.h"
+#include "bench/common/terminal.h"
 #include "bench/run/control/control_client.h"
 
 namespace tactbench::bench {

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "bench/page/http/http_server.h"
-#include "bench/run/control/run_connection.h"
+#include "bench/run/control/control_client.h"
 
 namespace tactbench::bench {
 

@@ -4,6 +4,9 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
@@ -11,7 +14,9 @@
 
 #include "bench/monitor/run_view.h"
 #include "bench/page/frames.h"
+#include "bench/page/http/http_server.h"
 #include "bench/reporting/judgement.h"
+#include "bench/run/control/control_client.h"
 
 namespace tactbench::bench {
 
@@ -66,6 +71,36 @@ class DisplayedRun {
   RealClock::time_point read_{};
   std::string seen_;  // state of the live run when the store was last read
   bool was_live_ = false;
+};
+
+// Finds the live run that belongs to a store and follows it through its control socket; when it ends, looks for the
+// next one.
+class RunFollower {
+ public:
+  // `bench`: its id; empty: any bench whose run writes to the store `db`. `heard`: called with each status received,
+  // and with none once the run has closed the connection. `server` must outlive this.
+  RunFollower(HttpServer& server, std::string db, std::string bench, std::function<void()> heard);
+  void look();  // looks for a run if none is followed; to be called a few times per second
+  // The newest status; none: no run is followed.
+  [[nodiscard]] const std::optional<LiveRun>& live() const { return live_; }
+  [[nodiscard]] double silent_s() const;  // since the last status; a run sends one twice a second
+
+ private:
+  using RealClock = std::chrono::steady_clock;
+  void receive();
+  void let_go(bool ours);
+
+  HttpServer& server_;
+  std::string db_, bench_;
+  std::function<void()> heard_;
+  std::unique_ptr<RunConnection> connection_;
+  std::shared_ptr<void> watching_;
+  std::string name_;       // name of the connected bench
+  std::string our_store_;  // the store's path in the run's status; empty: not compared yet
+  std::optional<LiveRun> live_;
+  RealClock::time_point last_{};
+  std::map<std::string, RealClock::time_point>
+      foreign_;  // benches with other stores or of untrusted users, and when they were queried
 };
 
 }  // namespace tactbench::bench

@@ -9,8 +9,8 @@
 #include <system_error>
 #include <utility>
 
-#include "bench/common/file_text.h"
-#include "bench/common/terminal_safe.h"
+#include "bench/common/private_files.h"
+#include "bench/common/terminal.h"
 #include "bench/page/access.h"
 
 namespace tactbench::bench {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "analysis/identify/compensators.h"
-#include "bench/monitor/array_view.h"
+#include "analysis/identify/sensor_model.h"
+#include "bench/monitor/heat_map.h"
 #include "db/run_frame_reader.h"
 
 namespace tactbench::bench {

@@ -9,16 +9,15 @@
 
 #include "analysis/json_io.h"
 #include "analysis/report/report_facts.h"
-#include "bench/common/terminal_safe.h"
+#include "bench/common/terminal.h"
 #include "bench/common/utc.h"
+#include "bench/page/access.h"
 #include "bench/page/assets.h"
 #include "bench/page/commands.h"
 #include "bench/page/displayed_run.h"
 #include "bench/page/documents.h"
 #include "bench/page/lists.h"
-#include "bench/page/own_addresses.h"
 #include "bench/page/responses.h"
-#include "bench/page/run_follower.h"
 
 namespace tactbench::bench {
 

@@ -12,7 +12,7 @@
 #include "devices/pressure/regulator.h"
 #include "devices/pressure/serial_controller.h"
 #include "devices/pressure/simulated_controller.h"
-#include "devices/wire/serial_link.h"
+#include "devices/wire/byte_stream.h"
 
 namespace tactbench::bench {
 

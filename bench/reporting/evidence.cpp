@@ -13,7 +13,7 @@
 #include "analysis/statistics/numbers/moments.h"
 #include "bench/common/error.h"
 #include "bench/common/overrides.h"
-#include "bench/common/terminal_safe.h"
+#include "bench/common/terminal.h"
 #include "bench/reporting/judgement.h"
 #include "bench/reporting/report_budget.h"
 #include "bench/run/run_record.h"

@@ -44,7 +44,6 @@ std::optional<std::int64_t> run_of_source(const db::RunStore& store, const analy
 std::vector<std::int64_t> source_runs(const db::RunStore& store, const analysis::SensorModel& fit);
 
 // Checks the runs that are named on the command line: which of them a verb may use.
-
 struct RunSelectionRules {
   std::string at;  // the option or place, for the error: "--held-out"
   std::int64_t models_of =

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "analysis/judgement/figure.h"
-#include "analysis/judgement/measured_figures.h"
 #include "analysis/report/gather.h"
 #include "analysis/statistics/figures/evaluation.h"
 #include "analysis/statistics/uncertainty/reference_uncertainty.h"

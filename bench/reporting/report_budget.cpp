@@ -104,6 +104,11 @@ analysis::HistoryRuns held_out_histories(analysis::Runs& runs, std::int64_t cali
   return out;
 }
 
+namespace {
+
+// Adds the budget rows of re-mounting, common to all taxels and per taxel: the sensor is calibrated in one mount and
+// used in another, so that a reading errs by the difference of two mounts, sqrt(2) times the variation of one mount.
+// Adds nothing if mounts were not assessed.
 void add_mounts(const analysis::Remount& found, analysis::UncertaintyInputs& inputs) {
   if (!found.assessed()) return;
   const auto between_two = [](double share, int degrees) {
@@ -113,6 +118,8 @@ void add_mounts(const analysis::Remount& found, analysis::UncertaintyInputs& inp
   inputs.mounting = between_two(found.common_share, found.degrees);
   inputs.mounting_per_taxel = between_two(found.per_taxel_share, found.per_taxel_degrees);
 }
+
+}  // namespace
 
 analysis::UncertaintyInputs budget_inputs(analysis::Runs& runs, const analysis::ReportInput& input,
                                           const std::vector<std::int64_t>& further,

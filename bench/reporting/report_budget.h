@@ -23,11 +23,6 @@ analysis::UncertaintyInputs budget_inputs(analysis::Runs& runs, const analysis::
 analysis::HistoryRuns held_out_histories(analysis::Runs& runs, std::int64_t calibration,
                                          const std::vector<std::int64_t>& held_out);
 
-// Adds the budget rows of re-mounting, common to all taxels and per taxel: the sensor is calibrated in one mount and
-// used in another, so that a reading errs by the difference of two mounts, sqrt(2) times the variation of one mount.
-// Adds nothing if mounts were not assessed.
-void add_mounts(const analysis::Remount& found, analysis::UncertaintyInputs& inputs);
-
 struct StateChange {
   bool later = false, mounted = false,
        unknown = false;  // later: another day or age; mounted: mounted again; unknown: cannot be determined

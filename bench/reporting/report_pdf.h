@@ -1,12 +1,20 @@
-// Converts a report's HTML to PDF with an installed browser or typesetter.
+// Converts a report's HTML to PDF with an installed browser or typesetter, and attaches files to a PDF.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "bench/reporting/pdf_attachments.h"
-
 namespace tactbench::bench {
+
+// Attaches files to a PDF: PDF 1.7 with associated files according to ISO 32000-2, 14.13. The result is not PDF/A-3,
+// which has further requirements.
+struct PdfAttachment {
+  std::string name, mime, description, bytes;
+};
+
+// The PDF with the files attached as its data (/AFRelationship /Data). The same input gives the same bytes. Throws
+// Error TB-REPORT-PDF if `pdf` is not a PDF.
+std::string with_attachments(const std::string& pdf, std::vector<PdfAttachment> attachments);
 
 struct PdfRequest {
   std::string html;

@@ -11,7 +11,7 @@
 #include "analysis/identify/sensor_model.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/report/data/traceability.h"
-#include "analysis/statistics/uncertainty/temperature_effect.h"
+#include "analysis/statistics/uncertainty/instruments.h"
 #include "bench/common/error.h"
 #include "bench/config/config.h"
 #include "bench/reporting/evidence.h"

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <ranges>
 
-#include "analysis/report/document/printers.h"
+#include "analysis/report/document/document.h"
 #include "analysis/report/gather.h"
 #include "analysis/report/report_facts.h"
 #include "db/run_store.h"

@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "analysis/identify/dynamic/dynamic_fit.h"
-#include "analysis/identify/stored/comparison.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/statistics/figures/evaluation.h"
 #include "analysis/statistics/figures/limits.h"

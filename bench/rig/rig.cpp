@@ -9,8 +9,8 @@
 #include "devices/device.h"
 #include "devices/pressure/analog_module.h"
 #include "devices/pressure/pressure_reference.h"
+#include "devices/wire/byte_stream.h"
 #include "devices/wire/modbus/modbus_link.h"
-#include "devices/wire/serial_link.h"
 
 namespace tactbench::bench {
 

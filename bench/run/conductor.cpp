@@ -13,9 +13,9 @@
 #include "analysis/pressure_unit.h"
 #include "bench/common/error.h"
 #include "bench/common/process_time.h"
-#include "bench/run/dead_man_notices.h"
-#include "bench/run/phase_text.h"
-#include "bench/run/watch/conditioning.h"
+#include "bench/run/end_reason.h"
+#include "bench/run/recorder.h"
+#include "bench/run/watch/watches.h"
 #include "devices/device.h"
 
 namespace tactbench::bench {

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "bench/run/control/notify.h"
-#include "bench/run/control/status_board.h"
+#include "bench/run/control/control.h"
+#include "bench/run/control/progress.h"
 #include "bench/run/sequencer.h"
 #include "bench/run/stage_steps.h"
 #include "bench/run/time_estimate.h"

@@ -10,6 +10,7 @@
 #include "bench/run/control/control.h"
 #include "bench/run/recorder.h"
 #include "db/run_store.h"
+#include "sequences/recipe.h"
 
 namespace tactbench::bench {
 
@@ -43,5 +44,10 @@ class EndReason {
   std::optional<Command> heard_;       // the command that ended the run, if any
   bool store_failed_ = false;
 };
+
+// Describes a step of a run as text, for the progress line, `status` and `watch`.
+// "conditioning 2 of 6"; "descending, step 19 of 217, repeat 1 of 5, unloading". `number`: of the step, from 1;
+// `steps`: in the run.
+std::string phase_of(const sequences::Step& step, const sequences::Recipe& recipe, int number, int steps);
 
 }  // namespace tactbench::bench

@@ -14,7 +14,7 @@
 #include "analysis/judgement/mpe.h"
 #include "analysis/loop.h"
 #include "analysis/pressure_unit.h"
-#include "analysis/statistics/uncertainty/history_kind.h"
+#include "analysis/statistics/uncertainty/empirical_errors.h"
 #include "bench/common/error.h"
 #include "bench/guard/witness.h"
 #include "bench/pressure/pressure_kinds.h"

@@ -8,11 +8,14 @@
 #include <thread>
 #include <utility>
 
+#include "bench/common/terminal.h"
 #include "bench/common/utc.h"
+#include "bench/rig/rig.h"
+#include "bench/run/control/progress.h"
 #include "db/sqlite.h"
+#include "devices/device.h"
 
 namespace tactbench::bench {
-
 namespace {
 
 using RealClock = std::chrono::steady_clock;
@@ -184,6 +187,34 @@ void Recorder::state(RunState next, const std::string& reason) {
 
 void Recorder::end(db::Outcome outcome, const std::string& reason, db::SafeState safe) {
   write([=, this, stored = as_stored(reason)] { store_.end_run(run_, outcome, stored, safe, utc_now()); });
+}
+
+namespace {
+
+std::string notice_text(const DeadManNotice& news) {
+  return news.id.empty() ? news.what : fmt::format("warning: {} [{}]", news.what, news.id);
+}
+
+}  // namespace
+
+void record_notices(Rig& rig, Recorder& recorder, Progress& progress) {
+  const auto record = [&](const char* kind, const DeadManNotice& news) {
+    recorder.event(kind, news.id, news.what);
+    progress.note(notice_text(news));
+  };
+  for (const std::string& words : rig.take_busy_report()) record("warning", {"TB-MODBUS-BUSY", words});
+  if (rig.dead_man() == nullptr) return;
+  for (const DeadManNotice& news : rig.dead_man()->take_notices()) record("dead-man", news);
+}
+
+void print_dead_man_notices(Rig& rig) {
+  if (rig.dead_man() == nullptr) return;
+  for (const DeadManNotice& news : rig.dead_man()->take_notices()) tty::print(stderr, "{}\n", notice_text(news));
+}
+
+void check_dead_man(Rig& rig) {
+  if (rig.dead_man() == nullptr) return;
+  if (const auto lost = rig.dead_man()->lost()) throw devices::Fault(lost->id, "dead-man", lost->what, lost->remedy);
 }
 
 }  // namespace tactbench::bench

@@ -13,9 +13,7 @@
 #include "bench/run/control/control.h"
 #include "bench/run/recorder.h"
 #include "bench/run/time_estimate.h"
-#include "bench/run/watch/branch_guard.h"
-#include "bench/run/watch/stuck_rows.h"
-#include "bench/run/watch/suspension.h"
+#include "bench/run/watch/watches.h"
 #include "bench/safety/safe_state.h"
 #include "sequences/recipe.h"
 

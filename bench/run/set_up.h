@@ -1,4 +1,5 @@
-// Checks before the first step: environment, scanner, seating of the sensor, warm-up of the electronics.
+// Before the first step: state of the simulated specimen, environment, scanner, warm-up of the electronics, seating of
+// the sensor.
 #pragma once
 
 #include <string>
@@ -15,6 +16,7 @@ class RunStore;
 
 namespace tactbench::bench {
 
+class Rig;
 class StatusBoard;
 
 void record_environment(Rig& rig, Recorder& recorder);  // one event per sensor
@@ -26,9 +28,6 @@ void prepare_sensor(Sequencer& sequencer, Recorder& recorder, const db::RunStore
                     const UnloadedFrame& baseline, StatusBoard& board);
 
 // State of the simulated specimen between runs: the film's memory, kept in a file; and the object that presses on it.
-
-class Rig;
-
 // Both do nothing without a file, and on a rig that is not simulated in this process. Throw Error TB-SPECIMEN-STATE.
 void load_specimen(Rig& rig, const std::string& file);  // reads the file if it exists
 void save_specimen(Rig& rig, const std::string& file);

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "bench/run/press/press.h"
-#include "bench/run/press/press_preflight.h"
 #include "bench/run/press/registration.h"
 #include "bench/run/recorder.h"
 #include "bench/run/sequencer.h"
@@ -16,7 +15,7 @@ namespace tactbench::bench {
 
 // Options from the bench, its limits and the recipe.
 PressOptions press_options(const BenchConfig& config, const sequences::Recipe& recipe);
-// Conflicts of the recipe with bench and force sensor, including the overshoot (press_preflight.h); empty: none.
+// Conflicts of the recipe with bench and force sensor, including the overshoot (press.h); empty: none.
 // Requires a bench with stage and force sensor.
 std::vector<std::string> press_complaints(const sequences::Recipe& recipe, const BenchConfig& config,
                                           const std::array<double, 6>& force_range);

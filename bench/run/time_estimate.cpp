@@ -11,7 +11,7 @@
 
 #include "analysis/statistics/numbers/moments.h"
 #include "bench/run/run_record.h"
-#include "bench/run/watch/lost_time.h"
+#include "bench/run/watch/watches.h"
 
 namespace tactbench::bench {
 

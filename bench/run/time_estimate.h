@@ -1,6 +1,6 @@
 // Estimates a run's working time and the time left: from completed runs of the same recipes on the same bench or, if
 // there are none, from the model of sequences/estimate.h. Always a band. Waiting for people and conditions is not
-// included (lost_time.h); prompts are counted separately.
+// included (watches.h); prompts are counted separately.
 #pragma once
 
 #include <array>
@@ -65,7 +65,6 @@ class TimeEstimate {
 };
 
 // Breakdown of a run's process time, printed and stored at the end of the run.
-
 enum class Spent { kSetup, kConditioning, kMoving, kSettling, kDwelling, kReading, kRedoing, kWaiting, kTeardown };
 inline constexpr std::size_t kSpentKinds = 9;
 const char* to_string(Spent spent);

@@ -17,7 +17,7 @@
 #include "analysis/json_io.h"
 #include "bench/common/error.h"
 #include "bench/common/process_time.h"
-#include "bench/common/terminal_safe.h"
+#include "bench/common/terminal.h"
 #include "bench/common/utc.h"
 #include "bench/config/instrument_kinds.h"
 #include "bench/guard/dead_man.h"
@@ -27,9 +27,8 @@
 #include "bench/run/control/locks.h"
 #include "bench/safety/safe_state.h"
 #include "devices/device.h"
+#include "devices/wire/byte_stream.h"
 #include "devices/wire/descriptor_channel.h"
-#include "devices/wire/serial_link.h"
-#include "devices/wire/stream_link.h"
 
 namespace tactbench::bench {
 

@@ -12,7 +12,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "analysis/identify/fit_models.h"
-#include "analysis/models/elam_hysteresis.h"
+#include "analysis/models/elam.h"
 #include "analysis/models/gpi.h"
 #include "bench/common/utc.h"
 #include "bench/config/config.h"

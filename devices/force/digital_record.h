@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "devices/wire/modbus/modbus_line.h"
+#include "devices/wire/modbus/modbus_link.h"
 
 namespace tactbench::devices {
 

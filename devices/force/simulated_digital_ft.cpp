@@ -15,7 +15,7 @@
 #include "devices/device.h"
 #include "devices/force/ati_matrix.h"
 #include "devices/wire/ends/end_activity.h"
-#include "devices/wire/ends/pseudo_terminal.h"
+#include "devices/wire/ends/stream_end.h"
 
 namespace tactbench::devices {
 namespace {

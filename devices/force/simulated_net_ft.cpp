@@ -18,8 +18,8 @@
 #include "devices/force/force_checks.h"
 #include "devices/force/rdt_record.h"
 #include "devices/wire/ends/end_activity.h"
-#include "devices/wire/ends/loopback.h"
 #include "devices/wire/ends/page_server.h"
+#include "devices/wire/ends/stream_end.h"
 
 namespace tactbench::devices {
 namespace {

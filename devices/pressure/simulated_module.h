@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "devices/clock.h"
-#include "devices/fault_injection.h"
 #include "devices/pressure/chamber_port.h"
 #include "devices/pressure/module_profile.h"
 #include "devices/pressure/options.h"

@@ -8,11 +8,14 @@
 
 #include "devices/clock.h"
 #include "devices/device.h"
-#include "devices/stage/axis.h"
 #include "devices/units.h"
 #include "devices/wire/options.h"
 
 namespace tactbench::devices {
+
+// Names of a stage's axes.
+enum class Axis { kX, kY, kZ };
+inline constexpr int kAxes = 3;
 
 struct AxisOptions {
   Millimetres low{0.0};  // limits, inclusive

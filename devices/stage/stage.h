@@ -9,7 +9,7 @@
 
 #include "devices/clock.h"
 #include "devices/device.h"
-#include "devices/stage/axis.h"
+#include "devices/stage/options.h"
 #include "devices/units.h"
 
 namespace tactbench::devices {
@@ -75,7 +75,6 @@ struct StageStall {  // of a simulated stage: the last time that axes stuck
 };
 
 // Interface from the simulated stage to the simulated plant: the true positions of the axes.
-
 class StageView {
  public:
   virtual ~StageView() = default;

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "devices/device.h"
-#include "devices/wire/stream_link.h"
+#include "devices/wire/byte_stream.h"
 #include "devices/wire/wait.h"
 
 namespace tactbench::devices {

@@ -41,7 +41,7 @@ struct DaqmxScannerOptions : ArrayOptions {
 };
 
 struct FrameSourceOptions : ArrayOptions {
-  std::string address = "tcp:127.0.0.1:5800";  // or "unix:PATH" (stream_link.h)
+  std::string address = "tcp:127.0.0.1:5800";  // or "unix:PATH" (byte_stream.h)
   Nanoseconds connect_timeout = std::chrono::seconds(2);
 };
 

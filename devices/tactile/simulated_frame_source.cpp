@@ -19,7 +19,7 @@
 
 #include "devices/device.h"
 #include "devices/wire/ends/end_activity.h"
-#include "devices/wire/ends/loopback.h"
+#include "devices/wire/ends/stream_end.h"
 
 namespace tactbench::devices {
 namespace {

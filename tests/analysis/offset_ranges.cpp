@@ -7,9 +7,9 @@
 #include "analysis/identify/fit_samples.h"
 #include "analysis/identify/histories.h"
 #include "analysis/identify/linearise.h"
-#include "analysis/judgement/trajectory.h"
+#include "analysis/judgement/judgement.h"
 #include "analysis/loop.h"
-#include "analysis/statistics/figures/sweep_errors.h"
+#include "analysis/statistics/figures/reading_errors.h"
 #include "tests/analysis/support/straight_array.h"
 
 using namespace straight_array;

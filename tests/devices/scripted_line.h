@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "devices/wire/ends/end_activity.h"
-#include "devices/wire/ends/pseudo_terminal.h"
-#include "devices/wire/modbus/modbus_line.h"
+#include "devices/wire/ends/stream_end.h"
+#include "devices/wire/modbus/modbus_link.h"
 #include "devices/wire/options.h"
 #include "tests/devices/scripted_server.h"
 #include "tests/devices/timeouts.h"

@@ -12,7 +12,7 @@
 
 #include "analysis/compensate/document.h"
 #include "analysis/error.h"
-#include "analysis/identify/compensators.h"
+#include "analysis/identify/sensor_model.h"
 #include "analysis/identify/stored/model_document.h"
 
 using namespace tactbench::analysis;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "analysis/error.h"
-#include "analysis/identify/compensators.h"
+#include "analysis/identify/sensor_model.h"
 #include "analysis/identify/stored/model_document.h"
 
 using namespace tactbench;

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "bench/common/terminal_safe.h"
+#include "bench/common/terminal.h"
 #include "db/utf8.h"
 
 using namespace tactbench;

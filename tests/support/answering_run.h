@@ -5,7 +5,7 @@
 #include <string>
 
 #include "bench/run/control/control_socket.h"
-#include "bench/run/control/machine_name.h"
+#include "bench/run/control/locks.h"
 
 namespace tactbench::tests {
 

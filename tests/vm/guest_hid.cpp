@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "devices/tactile/hid_scanner.h"
-#include "devices/wire/hid_link.h"
+#include "devices/wire/report_link.h"
 #include "tests/vm/guest.h"
 #include "tests/vm/uhid_scanner.h"
 

@@ -13,7 +13,7 @@
 #include <string>
 
 #include "devices/stage/zaber_stage.h"
-#include "devices/wire/serial_link.h"
+#include "devices/wire/byte_stream.h"
 #include "tests/vm/guest.h"
 
 using namespace tactbench::devices;

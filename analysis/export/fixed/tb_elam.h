@@ -1,4 +1,4 @@
-/* ELAM in integers, with memory of turns, as the program's stream has it (analysis/compensate/elam_curve.h). Equations:
+/* ELAM in integers, with memory of turns, as the program's stream has it (analysis/compensate/curves.h). Equations:
  * analysis/models/elam.h. */
 #ifndef TB_ELAM_H
 #define TB_ELAM_H

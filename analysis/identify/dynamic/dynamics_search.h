@@ -71,7 +71,6 @@ Dataset dataset_without_dynamics(Dataset data, const ArrayDynamics& dynamics, co
                                  double span);
 
 // The samples of a dataset in time order, and the creep along them.
-
 struct Track {
   std::vector<double> time, pressure;
   std::vector<const Sample*> samples;

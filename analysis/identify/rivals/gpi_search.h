@@ -54,7 +54,6 @@ class GpiSearch {
 };
 
 // Vectors, bounds and normal equations of GPI's unknowns, for its local searches.
-
 using GpiVector = Eigen::Matrix<double, kGpiUnknowns, 1>;
 using GpiMatrix = Eigen::Matrix<double, kGpiUnknowns, kGpiUnknowns>;
 
@@ -73,7 +72,6 @@ struct GpiNormal {
 
 // (mu/mu, lambda) evolution strategy with covariance matrix adaptation (Hansen, 2001) for GPI: where an operator of a
 // sample begins to move J's slope jumps, and minima lie on such kinks, where no descent along slopes reaches them.
-
 class GpiEvolution {
  public:
   // About `start`, in the metric of its normal equations; first steps are `size` times the root of its J. Variates are

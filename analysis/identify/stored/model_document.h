@@ -7,8 +7,10 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "analysis/identify/sensor_model.h"
+#include "db/record.h"
 
 namespace tactbench::analysis {
 
@@ -40,12 +42,24 @@ SensorModel load_fit(const db::FitRecord& record);
 SensorModel load_fit(const db::RunStore& store, std::int64_t run);
 
 // Additional members of a dynamic model's document: "dynamics", and three members per taxel.
-
 nlohmann::ordered_json dynamics_json(const SensorDynamics& dynamics);
 // The readers throw std::invalid_argument that names the member that is missing, of another kind or out of range.
 SensorDynamics dynamics_from(const nlohmann::ordered_json& json);
 
 void add_taxel_dynamics(const ModelTaxel& taxel, nlohmann::ordered_json& json);
 void read_taxel_dynamics(const nlohmann::ordered_json& json, ModelTaxel& taxel);
+
+// Compares stored fits and verdicts with those recomputed from the raw frames, for `verify`. They are equal bit for bit
+// on the same build and class of processor; elsewhere numbers may differ by kRelativeTolerance.
+inline constexpr double kRelativeTolerance = 1e-12;
+
+// |a - b| <= tolerance x max(|a|, |b|); any two NaN are equal, and so are 0.0 and -0.0.
+bool same_number(double a, double b, double tolerance);
+
+// Text of the first difference; empty: none. Fits: two documents (model_document.h). With tolerance 0 their numbers are
+// compared bit by bit.
+std::string first_difference(const std::string& stored, const std::string& recomputed, double tolerance);
+std::string first_difference(const std::vector<db::VerdictRecord>& stored,
+                             const std::vector<db::VerdictRecord>& recomputed, double tolerance, bool with_u = true);
 
 }  // namespace tactbench::analysis

@@ -13,7 +13,6 @@
 #include <string>
 #include <vector>
 
-#include "analysis/documents/evaluation_json.h"
 #include "analysis/documents/run_json.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/json_fields.h"

@@ -18,6 +18,12 @@ namespace tactbench::analysis {
 
 namespace {
 
+// The smallest MPE of the applied limits, else a share of the full pressure.
+struct ReadingTolerance {
+  double psi = 0.0;
+  bool is_mpe = false;
+};
+
 constexpr std::array kHeadlineShares = {0.01, 0.02, 0.05, 0.10, 0.20};
 
 void summarize(ReadingLevel& level) {
@@ -136,6 +142,8 @@ const ReadingLevel* ReadingFigures::level(double pressure_psi, bool up) const {
   return found == levels.end() ? nullptr : &*found;
 }
 
+namespace {
+
 ReadingTolerance reading_tolerance(const ReportInput& input) {
   const std::vector<JudgedFigure>& judged = input.judgement.figures;
   double tightest = std::numeric_limits<double>::infinity();
@@ -144,6 +152,8 @@ ReadingTolerance reading_tolerance(const ReportInput& input) {
   if (std::isfinite(tightest)) return {tightest, true};
   return {kToleratedShare * input.evaluation.full_scale_psi, false};
 }
+
+}  // namespace
 
 std::optional<ReadingFigures> reading_figures(const ReportInput& input) {
   if (!input.uncertainty || input.uncertainty->levels.empty()) return {};
@@ -183,9 +193,14 @@ std::optional<ReadingFigures> reading_figures(const ReportInput& input) {
   return out;
 }
 
+namespace {
+
+// null: at no level
 nlohmann::ordered_json interval_json(const MeasuringInterval& interval) {
   return interval.any ? nlohmann::ordered_json{JSON_FIELDS(interval, low_psi, high_psi)} : nlohmann::ordered_json();
 }
+
+}  // namespace
 
 nlohmann::ordered_json reading_figures_json(const ReadingFigures& figures) {
   nlohmann::ordered_json levels = nlohmann::ordered_json::array();

@@ -9,7 +9,7 @@
 
 #include "analysis/report/report.h"
 #include "analysis/statistics/numbers/moments.h"
-#include "analysis/statistics/uncertainty/history_kind.h"
+#include "analysis/statistics/uncertainty/empirical_errors.h"
 
 namespace tactbench::analysis {
 
@@ -29,13 +29,6 @@ struct ReadingLevel {
   std::vector<double> error_psi, expanded_psi;            // taxels
   [[nodiscard]] double sum_psi(std::size_t taxel) const;  // |error| + U, or |error| if U is not known
 };
-
-// The smallest MPE of the applied limits, else a share of the full pressure.
-struct ReadingTolerance {
-  double psi = 0.0;
-  bool is_mpe = false;
-};
-ReadingTolerance reading_tolerance(const ReportInput& input);
 
 struct WorstTaxel {  // largest |error| + U over the measured kinds of history, levels and directions
   int taxel = -1;
@@ -61,7 +54,6 @@ struct ReadingFigures {
 
 // None without an assessed U.
 std::optional<ReadingFigures> reading_figures(const ReportInput& input);
-nlohmann::ordered_json interval_json(const MeasuringInterval& interval);  // null: at no level
 nlohmann::ordered_json reading_figures_json(const ReadingFigures& figures);
 
 }  // namespace tactbench::analysis

@@ -1,7 +1,7 @@
 // The data on as found and as left, studies and objects.
 #include <nlohmann/json.hpp>
 
-#include "analysis/documents/evaluation_json.h"
+#include "analysis/documents/run_json.h"
 #include "analysis/json_fields.h"
 #include "analysis/report/data/data.h"
 #include "analysis/report/report_facts.h"

@@ -7,7 +7,7 @@
 
 #include <string>
 
-#include "analysis/report/dcc/xml.h"
+#include "analysis/report/page/html.h"
 #include "analysis/report/sections/sections.h"
 
 namespace tactbench::analysis {
@@ -17,11 +17,5 @@ std::string dcc_lacks(const ReportInput& input);
 
 // The DCC of a report for which dcc_lacks() is empty.
 std::string dcc_of(const PageData& data);
-
-namespace dcc {
-html::Markup measurement_results(const PageData& data);
-// One statement about all judged figures.
-html::Markup conformity_statement(const ReportInput& input);
-}  // namespace dcc
 
 }  // namespace tactbench::analysis

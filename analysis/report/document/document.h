@@ -1,6 +1,6 @@
 // A printable document as data: headings, paragraphs, lists, tables of typed cells, drawings. Report sections return
-// it; printers (printers.h) write it. A pressure is a number in psi here and becomes text in the printer, in the
-// requested unit.
+// it; the printers below write it. A pressure is a number in psi here and becomes text in the printer, in the requested
+// unit.
 #pragma once
 
 #include <concepts>
@@ -10,7 +10,8 @@
 #include <variant>
 #include <vector>
 
-#include "analysis/judgement/verdict.h"
+#include "analysis/judgement/figure.h"
+#include "analysis/pressure_unit.h"
 #include "analysis/report/page/html.h"
 
 namespace tactbench::analysis::doc {
@@ -153,5 +154,20 @@ struct Document {
 
 // A table of names and values without headings.
 Table pairs(std::string caption, std::vector<std::pair<std::string, Phrase>> rows);
+
+// Printers of a document: HTML, which is also well-formed XML, and plain text for a terminal. The only place where a
+// number is converted to text.
+using analysis::fixed_text;
+
+// "−0.12 ± 0.34", "20.7 kPa (3.00 psi)"; U+2212 for a minus, no sign for zero, "–" for a non-finite number.
+std::string text_of(const Quantity& quantity, PressureUnit unit);
+std::string text_of(const Phrase& phrase, PressureUnit unit);
+std::string sign_of(Verdict verdict);  // "✓", "▲", "✗"
+TextStyle style_of(Verdict verdict);
+
+html::Markup to_html(const Document& document, PressureUnit unit);
+html::Markup to_html(const Phrase& phrase, PressureUnit unit);
+// `width`: columns of the terminal.
+std::string to_text(const Document& document, PressureUnit unit, std::size_t width);
 
 }  // namespace tactbench::analysis::doc

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "analysis/counted.h"
-#include "analysis/documents/evaluation_json.h"
+#include "analysis/documents/run_json.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/json_fields.h"
 #include "analysis/report/data/data.h"

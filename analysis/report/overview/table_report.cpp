@@ -6,7 +6,7 @@
 #include "analysis/counted.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/json_fields.h"
-#include "analysis/report/document/printers.h"
+#include "analysis/report/document/document.h"
 #include "analysis/report/overview/overview_figures.h"
 #include "analysis/report/page/page.h"
 #include "analysis/report/report_facts.h"

@@ -1,8 +1,13 @@
 #include "analysis/report/page/chart.h"
 
+#include <qrencode.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <stdexcept>
 
 #include "analysis/report/page/html.h"
 #include "analysis/report/page/page.h"
@@ -17,6 +22,21 @@ using html::Markup;
 using html::Text;
 
 constexpr double kTop = 6.0;
+
+// About `wanted` round numbers (1, 2, 5 x 10^n) within [low, high].
+std::vector<double> nice_ticks(double low, double high, int wanted) {
+  if (!(high > low) || wanted < 1) return {low};
+  const double rough = (high - low) / wanted;
+  const double decade = std::pow(10.0, std::floor(std::log10(rough)));
+  double step = 10.0 * decade;
+  for (const double factor : {5.0, 2.0, 1.0})
+    if (factor * decade >= rough * (1.0 - 1e-9)) step = factor * decade;
+  std::vector<double> ticks;
+  const auto first = static_cast<long long>(std::ceil(low / step - 1e-9));
+  const auto last = static_cast<long long>(std::floor(high / step + 1e-9));
+  for (long long i = first; i <= last; ++i) ticks.push_back(static_cast<double>(i) * step);
+  return ticks;
+}
 
 struct Scale {
   double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();
@@ -66,6 +86,92 @@ Scale scale_of(const Axis& axis, const std::vector<double>& values, bool from_ze
   scale.low = axis.low.value_or(scale.low);
   scale.high = axis.high.value_or(scale.high);
   return scale;
+}
+
+// number of characters, not bytes
+std::size_t letters_in(const std::string& text) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0u) != 0x80u; }));
+}
+
+constexpr double kTextHeight = 11.0;
+
+struct TextBox {
+  double left, right, top, bottom;
+  [[nodiscard]] bool overlaps(const TextBox& other) const {
+    return left < other.right && other.left < right && top < other.bottom && other.top < bottom;
+  }
+  [[nodiscard]] bool holds(double x, double y) const { return x > left && x < right && y > top && y < bottom; }
+};
+
+// The line's height at x; NaN outside the line.
+double height_at(const LinePoints& line, double x) {
+  for (std::size_t i = 1; i < line.size(); ++i) {
+    const auto& [x0, y0] = line[i - 1];
+    const auto& [x1, y1] = line[i];
+    if (x < std::min(x0, x1) || x > std::max(x0, x1) || x0 == x1) continue;
+    return y0 + (y1 - y0) * (x - x0) / (x1 - x0);
+  }
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+double cost_of(const TextBox& box, const std::vector<TextBox>& taken, const std::vector<LinePoints>& lines,
+               const PlotArea& area) {
+  double cost = 0.0;
+  if (box.left < area.left || box.right > area.right || box.top < area.top || box.bottom > area.bottom) cost += 1000.0;
+  for (const TextBox& other : taken) cost += box.overlaps(other) ? 500.0 : 0.0;
+  for (const LinePoints& line : lines)
+    for (double x = box.left; x <= box.right; x += 3.0) cost += box.holds(x, height_at(line, x)) ? 1.0 : 0.0;
+  return cost;
+}
+
+Markup label_svg(const LineLabel& label, const TextBox& box) {
+  return markup("<text class=\"label\" x=\"{}\" y=\"{}\" fill=\"{}\">{}</text>", CssNumber(box.left + 1, 1),
+                CssNumber(box.bottom - 2.5, 1), Attribute(label.colour), Text(label.text));
+}
+
+// Places the labels one after the other, each where it overlaps the fewest earlier labels and the fewest points of
+// `lines`.
+Markup labels_inside(const std::vector<LineLabel>& labels, const std::vector<LinePoints>& lines, const PlotArea& area) {
+  Markup out;
+  std::vector<TextBox> taken;
+  for (const LineLabel& label : labels) {
+    const double width = kLetterWidth * static_cast<double>(letters_in(label.text)) + 2.0;
+    TextBox best{};
+    double least = std::numeric_limits<double>::infinity();
+    const auto consider = [&](double left, double top) {
+      const TextBox box{left, left + width, top, top + kTextHeight};
+      const double cost = cost_of(box, taken, lines, area);
+      if (cost >= least) return;
+      least = cost;
+      best = box;
+    };
+    if (label.upright) {
+      for (double y = area.top + 1.0; y < area.bottom - kTextHeight; y += kTextHeight)
+        for (const double left : {label.line.front().first + 3.0, label.line.front().first - width - 3.0})
+          consider(left, y);
+    } else {
+      for (int step = 0; step < 13; ++step) {  // from the right, where curves spread
+        const double left = area.right - 3.0 - width - (area.right - area.left - width) * step / 12.5;
+        for (const double gap : {2.0, 5.0, 9.0}) {
+          double above = std::numeric_limits<double>::infinity(), below = -above;
+          for (double x = left; x <= left + width; x += 3.0) {
+            const double y = height_at(label.line, x);
+            if (!std::isfinite(y)) continue;
+            above = std::min(above, y);
+            below = std::max(below, y);
+          }
+          if (!std::isfinite(above)) continue;
+          consider(left, above - gap - kTextHeight);
+          consider(left, below + gap);
+        }
+      }
+    }
+    if (!std::isfinite(least)) continue;
+    taken.push_back(best);
+    out += label_svg(label, best);
+  }
+  return out;
 }
 
 class ChartDrawing {
@@ -290,20 +396,6 @@ class ChartDrawing {
 
 }  // namespace
 
-std::vector<double> nice_ticks(double low, double high, int wanted) {
-  if (!(high > low) || wanted < 1) return {low};
-  const double rough = (high - low) / wanted;
-  const double decade = std::pow(10.0, std::floor(std::log10(rough)));
-  double step = 10.0 * decade;
-  for (const double factor : {5.0, 2.0, 1.0})
-    if (factor * decade >= rough * (1.0 - 1e-9)) step = factor * decade;
-  std::vector<double> ticks;
-  const auto first = static_cast<long long>(std::ceil(low / step - 1e-9));
-  const auto last = static_cast<long long>(std::floor(high / step + 1e-9));
-  for (long long i = first; i <= last; ++i) ticks.push_back(static_cast<double>(i) * step);
-  return ticks;
-}
-
 Bars bars_of(const std::vector<double>& values, double low, double high, int bins) {
   Bars bars{{}, std::vector<double>(static_cast<std::size_t>(bins), 0.0)};
   for (int i = 0; i <= bins; ++i) bars.edges.push_back(low + (high - low) * i / bins);
@@ -323,93 +415,6 @@ std::string svg_file(const Chart& chart) {
   svg.insert(svg.find(title_end) + title_end.size(),
              "<style>" + chart_rules().value + "</style><rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>");
   return svg.insert(start.size(), "xmlns=\"http://www.w3.org/2000/svg\" ") + "\n";
-}
-
-namespace {
-
-constexpr double kTextHeight = 11.0;
-
-struct TextBox {
-  double left, right, top, bottom;
-  [[nodiscard]] bool overlaps(const TextBox& other) const {
-    return left < other.right && other.left < right && top < other.bottom && other.top < bottom;
-  }
-  [[nodiscard]] bool holds(double x, double y) const { return x > left && x < right && y > top && y < bottom; }
-};
-
-// The line's height at x; NaN outside the line.
-double height_at(const LinePoints& line, double x) {
-  for (std::size_t i = 1; i < line.size(); ++i) {
-    const auto& [x0, y0] = line[i - 1];
-    const auto& [x1, y1] = line[i];
-    if (x < std::min(x0, x1) || x > std::max(x0, x1) || x0 == x1) continue;
-    return y0 + (y1 - y0) * (x - x0) / (x1 - x0);
-  }
-  return std::numeric_limits<double>::quiet_NaN();
-}
-
-double cost_of(const TextBox& box, const std::vector<TextBox>& taken, const std::vector<LinePoints>& lines,
-               const PlotArea& area) {
-  double cost = 0.0;
-  if (box.left < area.left || box.right > area.right || box.top < area.top || box.bottom > area.bottom) cost += 1000.0;
-  for (const TextBox& other : taken) cost += box.overlaps(other) ? 500.0 : 0.0;
-  for (const LinePoints& line : lines)
-    for (double x = box.left; x <= box.right; x += 3.0) cost += box.holds(x, height_at(line, x)) ? 1.0 : 0.0;
-  return cost;
-}
-
-Markup label_svg(const LineLabel& label, const TextBox& box) {
-  return markup("<text class=\"label\" x=\"{}\" y=\"{}\" fill=\"{}\">{}</text>", CssNumber(box.left + 1, 1),
-                CssNumber(box.bottom - 2.5, 1), Attribute(label.colour), Text(label.text));
-}
-
-}  // namespace
-
-std::size_t letters_in(const std::string& text) {
-  return static_cast<std::size_t>(
-      std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0u) != 0x80u; }));
-}
-
-Markup labels_inside(const std::vector<LineLabel>& labels, const std::vector<LinePoints>& lines, const PlotArea& area) {
-  Markup out;
-  std::vector<TextBox> taken;
-  for (const LineLabel& label : labels) {
-    const double width = kLetterWidth * static_cast<double>(letters_in(label.text)) + 2.0;
-    TextBox best{};
-    double least = std::numeric_limits<double>::infinity();
-    const auto consider = [&](double left, double top) {
-      const TextBox box{left, left + width, top, top + kTextHeight};
-      const double cost = cost_of(box, taken, lines, area);
-      if (cost >= least) return;
-      least = cost;
-      best = box;
-    };
-    if (label.upright) {
-      for (double y = area.top + 1.0; y < area.bottom - kTextHeight; y += kTextHeight)
-        for (const double left : {label.line.front().first + 3.0, label.line.front().first - width - 3.0})
-          consider(left, y);
-    } else {
-      for (int step = 0; step < 13; ++step) {  // from the right, where curves spread
-        const double left = area.right - 3.0 - width - (area.right - area.left - width) * step / 12.5;
-        for (const double gap : {2.0, 5.0, 9.0}) {
-          double above = std::numeric_limits<double>::infinity(), below = -above;
-          for (double x = left; x <= left + width; x += 3.0) {
-            const double y = height_at(label.line, x);
-            if (!std::isfinite(y)) continue;
-            above = std::min(above, y);
-            below = std::max(below, y);
-          }
-          if (!std::isfinite(above)) continue;
-          consider(left, above - gap - kTextHeight);
-          consider(left, below + gap);
-        }
-      }
-    }
-    if (!std::isfinite(least)) continue;
-    taken.push_back(best);
-    out += label_svg(label, best);
-  }
-  return out;
 }
 
 Markup labels_at_ends(const std::vector<LineLabel>& labels, const PlotArea& area) {
@@ -439,6 +444,138 @@ Markup labels_at_ends(const std::vector<LineLabel>& labels, const PlotArea& area
     out += label_svg(*end.label, {area.right + 9, 0.0, 0.0, end.y + 6.0});
   }
   return out;
+}
+
+namespace {
+
+using html::Attribute;
+using html::CssNumber;
+using html::markup;
+using html::Markup;
+using html::Text;
+
+constexpr int kShades = 24;
+constexpr double kMargin = 18.0;  // for the counts of rows and columns
+
+// 0 white .. 1 blue, which black letters stay readable on (7:1); below 0 brown.
+std::string shade(double t) {
+  const std::array<double, 3> end = t < 0.0 ? std::array{214.0, 150.0, 90.0} : std::array{96.0, 160.0, 222.0};
+  const double part = std::min(std::abs(t), 1.0);
+  std::string out = "#";
+  for (const double channel : end)
+    out += fmt::format("{:02x}", static_cast<unsigned>(std::lround(255.0 + part * (channel - 255.0))));
+  return out;
+}
+
+double share_of(const TaxelMap& map, double value) {
+  double share = map.logarithmic ? std::log(std::max(value, 1e-9) / map.low) / std::log(map.high / map.low)
+                                 : (value - map.low) / (map.high - map.low);
+  share = std::isfinite(share) ? std::clamp(share, 0.0, 1.0) : 0.0;
+  return map.two_sided ? 2.0 * share - 1.0 : share;
+}
+
+int shade_of(const TaxelMap& map, double value) {
+  return static_cast<int>(std::lround(kShades * share_of(map, value)));
+}
+
+}  // namespace
+
+Markup taxel_map_svg(const TaxelMap& map) {
+  const double cell = map.size / std::max({1, map.rows, map.columns}), edge = map.counted ? kMargin : 0.0;
+  const double right = edge + cell * map.columns, bottom = edge + cell * map.rows;
+  Markup out =
+      markup("<svg role=\"img\" class=\"map\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\"><title>{2}</title>",
+             CssNumber(right + 1), CssNumber(bottom + 1), Text(map.title));
+  std::array<std::string, 2 * kShades + 1> paths;
+  std::string crosses;
+  Markup numbers;
+  for (int row = 0; row < map.rows; ++row)
+    for (int column = 0; column < map.columns; ++column) {
+      const auto taxel = static_cast<std::size_t>(row * map.columns + column);
+      const double value = taxel < map.values.size() ? map.values[taxel] : std::nan("");
+      const double x = edge + cell * column, y = edge + cell * row;
+      const CssNumber left(x + 0.4), top(y + 0.4), side(cell - 0.8), arm(cell - 4.0);
+      if (!std::isfinite(value)) {
+        crosses +=
+            fmt::format("M{} {}l{} {}m0 -{}l-{} {}", CssNumber(x + 2), CssNumber(y + 2), arm, arm, arm, arm, arm);
+        continue;
+      }
+      paths[static_cast<std::size_t>(kShades + shade_of(map, value))] +=
+          fmt::format("M{} {}h{}v{}h-{}z", left, top, side, side, side);
+      if (map.numbered)
+        numbers += markup("<text class=\"{}\" x=\"{}\" y=\"{}\">{}</text>",
+                          Attribute(value > map.bold_above ? "cell b" : "cell"), CssNumber(x + 0.5 * cell, 1),
+                          CssNumber(y + 0.5 * cell + 2.8, 1), Text(two_digits_text(value)));
+    }
+  for (std::size_t i = 0; i < paths.size(); ++i)
+    if (!paths[i].empty())
+      out += markup("<path fill=\"{}\" d=\"{}\"/>", Attribute(shade((static_cast<double>(i) - kShades) / kShades)),
+                    Attribute(paths[i]));
+  if (!crosses.empty()) out += markup("<path class=\"cross\" d=\"{}\"/>", Attribute(crosses));
+  out += numbers;
+  out += markup("<path class=\"axis\" d=\"M{0} {0}H{1}V{2}H{0}z\"/>", CssNumber(edge), CssNumber(right),
+                CssNumber(bottom));
+  if (map.counted) {
+    for (int column = 0; column < map.columns; column += 5)
+      out += markup("<text class=\"mid quiet\" x=\"{}\" y=\"{}\">{}</text>", CssNumber(edge + cell * (column + 0.5), 1),
+                    CssNumber(edge - 5), column);
+    for (int row = 0; row < map.rows; row += 5)
+      out += markup("<text class=\"end quiet\" x=\"{}\" y=\"{}\">{}</text>", CssNumber(edge - 4),
+                    CssNumber(edge + cell * (row + 0.5) + 3.5, 1), row);
+  }
+  out += markup("</svg>");
+  return out;
+}
+
+Markup colour_scale_svg(const TaxelMap& map, const std::vector<std::pair<double, std::string>>& marks, double width) {
+  const double left = 24.0, right = width - 24.0;
+  Markup out =
+      markup("<svg role=\"img\" class=\"map\" viewBox=\"0 0 {0} 26\" width=\"{0}\" height=\"26\"><title>{1}</title>",
+             CssNumber(width), Text("Colour scale: " + map.title));
+  const int first = map.two_sided ? -kShades : 0, steps = kShades - first;
+  for (int i = 0; i <= steps; ++i)  // each reaches to the end and is covered by the next: no seams
+    out +=
+        markup("<path fill=\"{}\" d=\"M{} 2H{}v9H{}z\"/>", Attribute(shade(static_cast<double>(first + i) / kShades)),
+               CssNumber(left + (right - left) * i / (steps + 1), 1), CssNumber(right),
+               CssNumber(left + (right - left) * i / (steps + 1), 1));
+  out += markup("<path class=\"axis\" d=\"M{0} 2H{1}v9H{0}z\"/>", CssNumber(left), CssNumber(right));
+  for (const auto& [value, text] : marks) {
+    const double share = share_of(map, value), place = map.two_sided ? 0.5 + 0.5 * share : share;
+    const double x = left + place * (right - left);
+    out += markup("<path class=\"axis\" d=\"M{0} 11v3\"/><text class=\"mid\" x=\"{0}\" y=\"23\">{1}</text>",
+                  CssNumber(x, 1), Text(text));
+  }
+  out += markup("</svg>");
+  return out;
+}
+
+html::Markup qr_code_svg(const std::string& text, const std::string& title, double size) {
+  const std::unique_ptr<QRcode, decltype(&QRcode_free)> code(
+      QRcode_encodeData(static_cast<int>(text.size()), reinterpret_cast<const unsigned char*>(text.data()), 0,
+                        QR_ECLEVEL_M),
+      QRcode_free);
+  if (!code) throw std::invalid_argument("a QR code holds 1 to 2331 bytes");
+  constexpr int kQuiet = 4;
+  html::PathData dark;  // a rectangle for each row's run of dark modules
+  for (int row = 0; row < code->width; ++row)
+    for (int begin = 0, end = 0; begin < code->width; begin = end + 1) {
+      const auto is_dark = [&](int column) { return (code->data[row * code->width + column] & 1) != 0; };
+      for (end = begin; end < code->width && is_dark(end);) ++end;
+      if (end > begin)
+        dark.literal("M")
+            .number(begin + kQuiet)
+            .literal(" ")
+            .number(row + kQuiet)
+            .literal("h")
+            .number(end - begin)
+            .literal("v1h")
+            .number(begin - end)
+            .literal("z");
+    }
+  return html::markup(
+      "<svg role=\"img\" viewBox=\"0 0 {0} {0}\" width=\"{1}\" height=\"{1}\"><title>{2}"
+      "</title><path d=\"{3}\" fill=\"#000\"/></svg>",
+      code->width + 2 * kQuiet, html::CssNumber(size), html::Text(title), dark);
 }
 
 }  // namespace tactbench::analysis

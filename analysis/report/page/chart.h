@@ -1,5 +1,6 @@
-// Charts of the report as inline SVG with role="img" and a <title>. Layers are drawn in the order of their members;
-// labels are placed at the lines, not in a legend. Coordinates are CSS pixels.
+// Drawings of the report as inline SVG with role="img" and a <title>: charts, maps of the array, QR codes. Layers of a
+// chart are drawn in the order of their members; labels are placed at the lines, not in a legend. Coordinates are CSS
+// pixels.
 #pragma once
 
 #include <optional>
@@ -72,17 +73,11 @@ struct Chart {
 html::Markup chart_svg(const Chart& chart);
 std::string svg_file(const Chart& chart);  // a complete SVG file
 
-// About `wanted` round numbers (1, 2, 5 x 10^n) within [low, high].
-std::vector<double> nice_ticks(double low, double high, int wanted);
-
 // Counts of the finite values in `bins` of equal width; the last bin also contains values above `high`.
 Bars bars_of(const std::vector<double>& values, double low, double high, int bins);
 
 // Places the labels of a chart's lines: at their right ends, or within the plot where they cover least.
-
 inline constexpr double kLetterWidth = 5.3;  // of the chart's 10 px letters, on average
-
-std::size_t letters_in(const std::string& text);  // number of characters, not bytes
 
 using LinePoints = std::vector<std::pair<double, double>>;  // pixels; y not finite: a gap
 
@@ -96,11 +91,32 @@ struct PlotArea {
   double left, right, top, bottom;
 };
 
-// Places the labels one after the other, each where it overlaps the fewest earlier labels and the fewest points of
-// `lines`.
-html::Markup labels_inside(const std::vector<LineLabel>& labels, const std::vector<LinePoints>& lines,
-                           const PlotArea& area);
 // Places the labels right of the plot, in the order of the lines' ends, at least one line of text apart.
 html::Markup labels_at_ends(const std::vector<LineLabel>& labels, const PlotArea& area);
+
+// Maps of an array: one cell per taxel, row 0 on top, on a light scale from white to blue, so that all digits can be
+// black.
+struct TaxelMap {
+  std::string title = {};
+  int rows = 0, columns = 0;
+  std::vector<double> values = {};  // row-major; a non-finite value is white with a cross
+  double low = 0.0, high = 1.0;     // range of the colours; values beyond have the colour of the end
+  bool logarithmic = false;
+  bool two_sided = false;     // brown below the middle, white there, blue above
+  double bold_above = 1e300;  // values above it are printed in bold
+  double size = 320.0;        // pixels of the longer side, without the counts of rows and columns
+  bool numbered = false;      // each value in its cell, two significant digits
+  bool counted = true;        // rows and columns at the edges
+};
+
+html::Markup taxel_map_svg(const TaxelMap& map);
+// The scale of a map with some values marked: "8.3 (limit)".
+html::Markup colour_scale_svg(const TaxelMap& map, const std::vector<std::pair<double, std::string>>& marks,
+                              double width);
+
+// A QR code (ISO/IEC 18004) as SVG.
+// Byte mode, error correction level M, with the quiet zone of four modules; `size` px wide. The same text gives the
+// same bytes. Throws std::invalid_argument if the text is empty or longer than 2331 bytes.
+html::Markup qr_code_svg(const std::string& text, const std::string& title, double size);
 
 }  // namespace tactbench::analysis

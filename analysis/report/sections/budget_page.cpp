@@ -4,7 +4,7 @@
 
 #include "analysis/counted.h"
 #include "analysis/report/data/conformity.h"
-#include "analysis/report/document/printers.h"
+#include "analysis/report/document/document.h"
 #include "analysis/report/report_facts.h"
 #include "analysis/report/sections/sections.h"
 

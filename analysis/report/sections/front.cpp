@@ -6,9 +6,8 @@
 #include "analysis/counted.h"
 #include "analysis/report/data/conformity.h"
 #include "analysis/report/data/traceability.h"
-#include "analysis/report/document/printers.h"
+#include "analysis/report/document/document.h"
 #include "analysis/report/page/chart.h"
-#include "analysis/report/page/qr_code.h"
 #include "analysis/report/report_facts.h"
 #include "analysis/report/sections/sections.h"
 

@@ -3,8 +3,8 @@
 
 #include "analysis/counted.h"
 #include "analysis/report/data/traceability.h"
-#include "analysis/report/document/printers.h"
-#include "analysis/report/page/taxel_map.h"
+#include "analysis/report/document/document.h"
+#include "analysis/report/page/chart.h"
 #include "analysis/report/report_facts.h"
 #include "analysis/report/sections/sections.h"
 

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "analysis/dataset.h"
-#include "analysis/identify/compensators.h"
 #include "analysis/identify/sensor_model.h"
 #include "analysis/loop.h"
 #include "analysis/statistics/figures/evaluation.h"
@@ -75,7 +74,6 @@ class Fitted {
 void gather_levels(Evaluation& evaluation, const CompensatedStreams& streams, const Fitted& fitted);
 
 // Classifies each step of a sequence: on a full sweep of the range or on an inner branch, up or down.
-
 struct StepKind {
   bool full = false;  // its branch goes from one end of the range to the other, within 1 % of it
   bool up = true;     // the step was reached from below

@@ -6,7 +6,7 @@
 
 namespace tactbench::analysis {
 
-// verdict.h defines each rule.
+// figure.h defines each rule.
 enum class DecisionRule { kDefault, kSimple, kGuarded, kFourWay, kReportOnly };
 struct Limits {
   std::string name;

@@ -14,8 +14,8 @@
 #include "analysis/loop.h"
 #include "analysis/pressure_unit.h"
 #include "analysis/statistics/figures/behaviour.h"
-#include "analysis/statistics/figures/history_errors.h"
 #include "analysis/statistics/figures/levels.h"
+#include "analysis/statistics/figures/reading_errors.h"
 #include "analysis/statistics/numbers/moments.h"
 
 namespace tactbench::analysis {

@@ -65,7 +65,6 @@ struct GroupedScatter {
 GroupedScatter grouped_scatter(std::span<const std::vector<double>> groups);
 
 // Scatter of a mean from few repetitions, pooled over what the mean is taken of (JCGM 100, H.3.6, 4.2.4 note; G.4.1).
-
 // Repetitions x parts: each row holds the same parts (taxels, levels) of one repetition; the figure is their mean.
 struct PooledScatter {
   // Root of the mean over the parts of their variances from row to row, in the unit of the parts. The variance of the
@@ -82,7 +81,6 @@ struct PooledScatter {
 PooledScatter pooled_scatter(std::span<const std::vector<double>> rows);
 
 // Quantiles of Student's t distribution, for prediction intervals and coverage factors (JCGM 100 annex G.3).
-
 // t with P(T <= t) = probability, 0 < probability < 1; degrees of freedom > 0, infinite ones are the normal
 // distribution's. NaN otherwise.
 double student_quantile(double probability, double degrees_of_freedom);
@@ -106,5 +104,17 @@ struct VarianceShare {
 double combined_uncertainty(std::span<const VarianceShare> shares);
 // Welch-Satterthwaite, JCGM 100 Eq. (G.2b); infinite when no share has a finite number.
 double effective_dof(std::span<const VarianceShare> shares);
+
+// Estimates the noise of otherwise smooth samples, from differences of neighbours that cancel slope and curvature.
+// Samples in a row without a turn between them. `x`: where they lie, equally long; empty: evenly.
+struct Stretch {
+  std::span<const double> x, y;
+};
+
+// Standard deviation of a sample; 0 when no stretch has two. For each order from 1 to 6 the median size of the
+// differences of all stretches: plain ones, and divided ones where the inputs are distinct. Each is the noise and what
+// slope and curvature leave, so the least is taken, of orders with 20 differences at least; where a history is too
+// short for any, with 2.
+double difference_noise(std::span<const Stretch> stretches);
 
 }  // namespace tactbench::analysis

@@ -8,9 +8,9 @@
 #include <stdexcept>
 
 #include "analysis/compensate/compensator.h"
-#include "analysis/identify/compensators.h"
 #include "analysis/identify/dynamic/dynamic_fit.h"
 #include "analysis/identify/fit_samples.h"
+#include "analysis/identify/sensor_model.h"
 #include "analysis/workers.h"
 
 namespace tactbench::analysis {

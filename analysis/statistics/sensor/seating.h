@@ -70,7 +70,6 @@ std::vector<SeatingPosition> compare_positions(int rows, int columns, std::span<
                                                const std::vector<bool>& use_before);
 
 // Part of the seating check: whole rows and columns. Used only by seating.cpp.
-
 struct SeatingTaxels {
   int rows = 0, columns = 0;
   std::vector<double> response_v, loaded_v, before_v;  // before_v: empty where no last seating may be compared

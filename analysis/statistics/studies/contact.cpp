@@ -13,7 +13,6 @@
 #include <utility>
 
 #include "analysis/error.h"
-#include "analysis/identify/compensators.h"
 #include "analysis/identify/sensor_model.h"
 #include "analysis/json_io.h"
 #include "analysis/scanner_scale.h"

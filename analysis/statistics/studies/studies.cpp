@@ -6,8 +6,8 @@
 
 #include "analysis/identify/sensor_model.h"
 #include "analysis/statistics/figures/evaluation.h"
-#include "analysis/statistics/figures/history_errors.h"
 #include "analysis/statistics/figures/levels.h"
+#include "analysis/statistics/figures/reading_errors.h"
 
 namespace tactbench::analysis {
 namespace {

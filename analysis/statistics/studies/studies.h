@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/statistics/figures/sweep_errors.h"
+#include "analysis/statistics/figures/reading_errors.h"
 #include "analysis/statistics/scoring/score.h"
 
 namespace tactbench::analysis {

@@ -7,7 +7,6 @@
 #include <iterator>
 #include <numbers>
 
-#include "analysis/identify/compensators.h"
 #include "analysis/identify/sensor_model.h"
 #include "analysis/loop.h"
 #include "analysis/statistics/figures/levels.h"

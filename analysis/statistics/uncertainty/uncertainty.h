@@ -8,7 +8,7 @@
 // Every d has the expectation 0 and is assumed independent; c = 1 except for voltages, whose c is the inverse's slope.
 // e, the mean error of the full sweeps at the level and half of creep's effect, is known and taken off (3.2.3, 6.3.1).
 // The budgets say where U comes from. The U quoted for a reading is not theirs: it is counted from observed errors, one
-// U for each kind of pressure history (history_kind.h).
+// U for each kind of pressure history (empirical_errors.h).
 #pragma once
 
 #include <array>
@@ -17,13 +17,12 @@
 #include <string>
 #include <vector>
 
-#include "analysis/statistics/figures/history_errors.h"
-#include "analysis/statistics/figures/sweep_errors.h"
+#include "analysis/statistics/figures/reading_errors.h"
 #include "analysis/statistics/figures/time_effects.h"
 #include "analysis/statistics/numbers/moments.h"
 #include "analysis/statistics/uncertainty/empirical_errors.h"
+#include "analysis/statistics/uncertainty/instruments.h"
 #include "analysis/statistics/uncertainty/reference_uncertainty.h"
-#include "analysis/statistics/uncertainty/temperature_effect.h"
 
 namespace tactbench::analysis {
 
@@ -150,7 +149,6 @@ std::vector<ConditionUncertainty> reading_conditions(const Dataset& dataset, con
                                                      const SweepErrors& sweeps, int threads = 0);
 
 // Makes one uncertainty budget, as assess_uncertainty does: for tests and for further levels.
-
 class BudgetMaker {
  public:
   BudgetMaker(const Dataset& dataset, const SensorModel& fit, const SweepErrors& errors,

@@ -39,7 +39,15 @@
 
 namespace tactbench::bench {
 
+namespace doc = analysis::doc;
+
 namespace {
+
+// Recipes for the models and for the held-out run, one pair per form; `minutes` chooses among these forms. Longest
+// first.
+struct CalibrationForm {
+  std::vector<std::string> recipes, held_out_recipes;
+};
 
 using sequences::Recipe;
 
@@ -57,6 +65,77 @@ std::string command_word(const std::string& text) {
 }
 
 bool of_recipe(const std::string& setting) { return setting.starts_with("recipe."); }
+
+using Letter = std::array<std::string_view, 5>;  // lines of equal length
+
+const std::map<char, Letter>& letters() {
+  static const std::map<char, Letter> all = {
+      {'A', {" ### ", "#   #", "#####", "#   #", "#   #"}}, {'C', {" ####", "#    ", "#    ", "#    ", " ####"}},
+      {'E', {"#####", "#    ", "#### ", "#    ", "#####"}}, {'F', {"#####", "#    ", "#### ", "#    ", "#    "}},
+      {'I', {"###", " # ", " # ", " # ", "###"}},           {'L', {"#    ", "#    ", "#    ", "#    ", "#####"}},
+      {'N', {"#   #", "##  #", "# # #", "#  ##", "#   #"}}, {'O', {" ### ", "#   #", "#   #", "#   #", " ### "}},
+      {'P', {"#### ", "#   #", "#### ", "#    ", "#    "}}, {'S', {" ####", "#    ", " ### ", "    #", "#### "}},
+      {'U', {"#   #", "#   #", "#   #", "#   #", " ### "}}, {'V', {"#   #", "#   #", "#   #", " # # ", "  #  "}}};
+  return all;
+}
+
+// `word` in five lines of block letters, each line after `margin` and with a line end, without trailing blanks. Letters
+// A C E F I L N O P S U V in either case; throws std::invalid_argument for any other.
+std::string block_letters(const std::string& word, const std::string& margin) {
+  std::string text;
+  for (std::size_t row = 0; row < Letter().size(); ++row) {
+    std::string line = margin;
+    for (const char letter : word) {
+      const auto found =
+          letters().find(letter >= 'a' && letter <= 'z' ? static_cast<char>(letter - 'a' + 'A') : letter);
+      if (found == letters().end()) throw std::invalid_argument("no large letter for '" + std::string(1, letter) + "'");
+      if (line.size() > margin.size()) line += ' ';
+      line += found->second.at(row);
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    text += line + '\n';
+  }
+  return text;
+}
+
+const std::vector<CalibrationForm>& calibration_forms() {
+  static const std::vector<CalibrationForm> forms = {{{"production"}, {"verification"}},
+                                                     {{"production-short"}, {"verification-short"}}};
+  return forms;
+}
+
+std::string fit_line(const CalibrationResult& result) {
+  const analysis::SensorModel& model = result.fit.model;
+  const analysis::Evaluation& judged = result.fit.evaluations.back().evaluation;
+  return fmt::format(
+      "{} on run {}: {} of {} fitted; on run {} mean |error| {}, worst taxel {}", analysis::label_of(model), model.run,
+      model.fitted().size(), analysis::counted(model.array().size(), "taxel"), judged.run,
+      result.unit.text(judged.mean_error_psi, 2), result.unit.text(judged.worst_taxel_mean_error_psi, 2));
+}
+
+std::string place(const BadTaxel& taxel) {
+  return fmt::format("row {}, column {} ({})", taxel.row, taxel.column, taxel.why);
+}
+
+std::string bad_taxels_text(const std::vector<BadTaxel>& taxels) {
+  constexpr std::size_t kNamed = 12;
+  if (taxels.empty()) return "none";
+  std::vector<std::string> places;
+  for (std::size_t i = 0; i < std::min(kNamed, taxels.size()); ++i) places.push_back(place(taxels[i]));
+  return fmt::format("{}{}", fmt::join(places, "; "),
+                     taxels.size() > kNamed ? fmt::format("; and {} more, in the report", taxels.size() - kNamed) : "");
+}
+
+doc::Document verdict_document(const CalibrationResult& result, const Session& session) {
+  doc::Document out;
+  out.add(judgement_document(result.judgement, result.origin, result.unit, session.all));
+  if (session.quiet) out.blocks.resize(1);
+  out.add(doc::Paragraph{
+      {fmt::format("sensor {}, limits '{}', bad taxels: {}", one_line(result.sensor), one_line(result.limits),
+                   bad_taxels_text(bad_taxels(result.fit, result.judgement, result.unit)))}});
+  if (!result.drift.empty()) out.add(doc::Paragraph{{"drifted since its previous models: ", result.drift}});
+  return out;
+}
 
 class Calibration {
  public:
@@ -332,12 +411,6 @@ class Calibration {
 
 }  // namespace
 
-const std::vector<CalibrationForm>& calibration_forms() {
-  static const std::vector<CalibrationForm> forms = {{{"production"}, {"verification"}},
-                                                     {{"production-short"}, {"verification-short"}}};
-  return forms;
-}
-
 std::string resume_command_line(const CalibrateOptions& options, Session& session, std::int64_t run,
                                 std::int64_t held_out) {
   const CalibrateOptions standard;
@@ -437,25 +510,7 @@ void add_calibrate(CLI::App& app, Session& session) {
   });
 }
 
-namespace doc = analysis::doc;
 using analysis::Verdict;
-
-namespace {
-
-std::string place(const BadTaxel& taxel) {
-  return fmt::format("row {}, column {} ({})", taxel.row, taxel.column, taxel.why);
-}
-
-std::string bad_taxels_text(const std::vector<BadTaxel>& taxels) {
-  constexpr std::size_t kNamed = 12;
-  if (taxels.empty()) return "none";
-  std::vector<std::string> places;
-  for (std::size_t i = 0; i < std::min(kNamed, taxels.size()); ++i) places.push_back(place(taxels[i]));
-  return fmt::format("{}{}", fmt::join(places, "; "),
-                     taxels.size() > kNamed ? fmt::format("; and {} more, in the report", taxels.size() - kNamed) : "");
-}
-
-}  // namespace
 
 std::vector<BadTaxel> bad_taxels(const JudgedFit& fit, const analysis::Judgement& judgement,
                                  analysis::PressureUnit unit) {
@@ -470,26 +525,6 @@ std::vector<BadTaxel> bad_taxels(const JudgedFit& fit, const analysis::Judgement
     bad.push_back({judged.worst_taxel / fit.model.columns, judged.worst_taxel % fit.model.columns,
                    fmt::format("mean |error| {}, the largest", unit.text(judged.worst_taxel_mean_error_psi, 2))});
   return bad;
-}
-
-std::string fit_line(const CalibrationResult& result) {
-  const analysis::SensorModel& model = result.fit.model;
-  const analysis::Evaluation& judged = result.fit.evaluations.back().evaluation;
-  return fmt::format(
-      "{} on run {}: {} of {} fitted; on run {} mean |error| {}, worst taxel {}", analysis::label_of(model), model.run,
-      model.fitted().size(), analysis::counted(model.array().size(), "taxel"), judged.run,
-      result.unit.text(judged.mean_error_psi, 2), result.unit.text(judged.worst_taxel_mean_error_psi, 2));
-}
-
-doc::Document verdict_document(const CalibrationResult& result, const Session& session) {
-  doc::Document out;
-  out.add(judgement_document(result.judgement, result.origin, result.unit, session.all));
-  if (session.quiet) out.blocks.resize(1);
-  out.add(doc::Paragraph{
-      {fmt::format("sensor {}, limits '{}', bad taxels: {}", one_line(result.sensor), one_line(result.limits),
-                   bad_taxels_text(bad_taxels(result.fit, result.judgement, result.unit)))}});
-  if (!result.drift.empty()) out.add(doc::Paragraph{{"drifted since its previous models: ", result.drift}});
-  return out;
 }
 
 nlohmann::ordered_json calibration_json(const CalibrationResult& result) {
@@ -510,40 +545,6 @@ nlohmann::ordered_json calibration_json(const CalibrationResult& result) {
           {"verdicts", verdicts_json(result.judgement.figures, result.origin)},
           {"judgement", judgement_json(result.judgement, result.origin)},
           {"report", {{"number", result.report_number}, {"path", result.report_path}}}};
-}
-
-namespace {
-
-using Letter = std::array<std::string_view, 5>;  // lines of equal length
-
-const std::map<char, Letter>& letters() {
-  static const std::map<char, Letter> all = {
-      {'A', {" ### ", "#   #", "#####", "#   #", "#   #"}}, {'C', {" ####", "#    ", "#    ", "#    ", " ####"}},
-      {'E', {"#####", "#    ", "#### ", "#    ", "#####"}}, {'F', {"#####", "#    ", "#### ", "#    ", "#    "}},
-      {'I', {"###", " # ", " # ", " # ", "###"}},           {'L', {"#    ", "#    ", "#    ", "#    ", "#####"}},
-      {'N', {"#   #", "##  #", "# # #", "#  ##", "#   #"}}, {'O', {" ### ", "#   #", "#   #", "#   #", " ### "}},
-      {'P', {"#### ", "#   #", "#### ", "#    ", "#    "}}, {'S', {" ####", "#    ", " ### ", "    #", "#### "}},
-      {'U', {"#   #", "#   #", "#   #", "#   #", " ### "}}, {'V', {"#   #", "#   #", "#   #", " # # ", "  #  "}}};
-  return all;
-}
-
-}  // namespace
-
-std::string block_letters(const std::string& word, const std::string& margin) {
-  std::string text;
-  for (std::size_t row = 0; row < Letter().size(); ++row) {
-    std::string line = margin;
-    for (const char letter : word) {
-      const auto found =
-          letters().find(letter >= 'a' && letter <= 'z' ? static_cast<char>(letter - 'a' + 'A') : letter);
-      if (found == letters().end()) throw std::invalid_argument("no large letter for '" + std::string(1, letter) + "'");
-      if (line.size() > margin.size()) line += ' ';
-      line += found->second.at(row);
-    }
-    line.erase(line.find_last_not_of(' ') + 1);
-    text += line + '\n';
-  }
-  return text;
 }
 
 }  // namespace tactbench::bench

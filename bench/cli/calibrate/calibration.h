@@ -34,21 +34,10 @@ struct CalibrateOptions {
 std::string resume_command_line(const CalibrateOptions& options, Session& session, std::int64_t run,
                                 std::int64_t held_out);
 
-// Recipes for the models and for the held-out run, one pair per form; `minutes` chooses among these forms. Longest
-// first.
-struct CalibrationForm {
-  std::vector<std::string> recipes, held_out_recipes;
-};
-const std::vector<CalibrationForm>& calibration_forms();
-
 // Sets session.code by the verdict. Throws, before any device is touched, when files, recipes or limits do not match
 // (sequences::FileError, Error TB-CALIBRATE-LEVELS, TB-CALIBRATE-MINUTES, TB-USAGE, ...), later the errors of `run`,
 // `fit` and `report`, with the command line to continue added to the remedy.
 void calibrate(const CalibrateOptions& options, Session& session);
-
-// Output of `calibrate` as text and JSON: the verdict with its reason, and the bad taxels.
-
-struct Session;
 
 struct CalibrationResult {
   std::string sensor, origin, limits;  // limits: the name in the limits file
@@ -69,16 +58,7 @@ struct BadTaxel {
 std::vector<BadTaxel> bad_taxels(const JudgedFit& fit, const analysis::Judgement& judgement,
                                  analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
 
-// One line about the fit, without a line end; and the document that `calibrate` prints last, below the verdict in block
-// letters.
-std::string fit_line(const CalibrationResult& result);
-analysis::doc::Document verdict_document(const CalibrationResult& result, const Session& session);
+// The output of `calibrate --json`: the verdict with its reason, and the bad taxels.
 nlohmann::ordered_json calibration_json(const CalibrationResult& result);
-
-// Prints a word in block letters that can be read from a distance.
-
-// `word` in five lines of block letters, each line after `margin` and with a line end, without trailing blanks. Letters
-// A C E F I L N O P S U V in either case; throws std::invalid_argument for any other.
-std::string block_letters(const std::string& word, const std::string& margin);
 
 }  // namespace tactbench::bench

@@ -1,6 +1,4 @@
 // fleet: the group of verbs, what they share, and fleet migrate.
-#include "bench/cli/fleet/fleet.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -8,6 +6,7 @@
 #include <exception>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <string_view>
 
 #include "analysis/counted.h"
@@ -16,6 +15,7 @@
 #include "bench/cli/runs/runs.h"
 #include "bench/cli/runs/source.h"
 #include "bench/cli/runs/trend.h"
+#include "bench/cli/session.h"
 #include "bench/common/build_info.h"
 #include "bench/common/private_files.h"
 #include "bench/fleet/facts.h"
@@ -42,8 +42,8 @@ void migrate_fleet(const std::string& to, const Session& session) {
   }
 }
 
-}  // namespace
-
+// Option that names the fleet: --to where a verb writes, --from where it reads; otherwise TACTBENCH_FLEET or
+// tactbench.toml.
 void add_fleet_option(CLI::App& verb, const char* name, std::string& value, Session& session) {
   session.profile
       .add(verb, name, ProfileKey::kFleet, value,
@@ -53,6 +53,8 @@ void add_fleet_option(CLI::App& verb, const char* name, std::string& value, Sess
                : "connection string of the fleet, as --to of fleet push")
       ->required();
 }
+
+}  // namespace
 
 void add_fleet(CLI::App& app, Session& session) {
   CLI::App* group = app.add_subcommand("fleet", "runs of several benches in one PostgreSQL: push, read");

@@ -49,7 +49,6 @@ JudgedFit fit_and_judge(const FitModelsOptions& options, Session& session);
 void check_model(const std::string& model, const FitModelsOptions& options, Session& session);
 
 // Output of `fit` for one fitted model of a run: headline, figures, verdicts.
-
 struct Session;
 
 struct FittedRun {
@@ -70,8 +69,6 @@ struct LeftOut {
 // Each taxel without a model, in the order of their numbers.
 std::vector<LeftOut> left_out_of(const analysis::SensorModel& fit);
 
-// The verdict first, then the model and its figures. `all`: every check, and the mean taxel's parameters.
-analysis::doc::Document fitted_document(const FittedRun& fitted, analysis::PressureUnit unit, bool all);
 // Prints the document; with -q only the verdict of a judged model.
 void print_fitted(const FittedRun& fitted, const Session& session);
 // Adds the members for --json to `json`.

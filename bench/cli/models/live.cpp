@@ -9,14 +9,14 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "analysis/compensate/frame_compensator.h"
+#include "analysis/compensate/compensator.h"
 #include "analysis/counted.h"
 #include "analysis/json_fields.h"
 #include "bench/cli/runs/source.h"
 #include "bench/common/output_file.h"
 #include "bench/common/overrides.h"
 #include "bench/common/standard_streams.h"
-#include "bench/instruments/watch.h"
+#include "bench/instruments/live.h"
 
 namespace tactbench::bench {
 
@@ -57,6 +57,26 @@ class CsvFile {
   std::string path_;
   std::unique_ptr<std::FILE, Close> file_;
 };
+
+std::string frame_line(const LiveFrame& frame, const FrameSummary& sum, std::size_t columns,
+                       analysis::PressureUnit unit) {
+  const TaxelFlags& flags = sum.flags;
+  return fmt::format(
+      "frame {:>6}  mean {:>6} {}  highest {:>6} {} at {},{}  flat {} unknown {} out of range {} dead {} "
+      "lost {}  {:.0f} us\n",
+      frame.number, unit.fixed(sum.mean_psi, 2), unit.symbol(), unit.fixed(sum.highest_psi, 2), unit.symbol(),
+      sum.highest / columns, sum.highest % columns, flags.flat, flags.unknown, flags.out_of_range, flags.dead,
+      flags.lost, frame.latency_us);
+}
+
+// Both end with a line break.
+std::string summary_line(const LiveSummary& summary) {
+  return fmt::format(
+      "{}, {} lost; request to compensated values: median {:.0f} us, p99 {:.0f} us, worst {:.0f} us (of it "
+      "the compensation, median {:.1f} us)\n",
+      analysis::counted(summary.frames, "frame"), summary.lost, summary.median_us, summary.p99_us, summary.worst_us,
+      summary.compensation_median_us);
+}
 
 void live(const LiveVerbOptions& options, const Session& session) {
   const BenchConfig config = read_bench(find_config(session.bench_file()), split_overrides(options.set).bench);
@@ -153,25 +173,6 @@ FrameSummary summed(const LiveFrame& frame) {
   }
   if (counted > 0) sum.mean_psi /= counted;
   return sum;
-}
-
-std::string frame_line(const LiveFrame& frame, const FrameSummary& sum, std::size_t columns,
-                       analysis::PressureUnit unit) {
-  const TaxelFlags& flags = sum.flags;
-  return fmt::format(
-      "frame {:>6}  mean {:>6} {}  highest {:>6} {} at {},{}  flat {} unknown {} out of range {} dead {} "
-      "lost {}  {:.0f} us\n",
-      frame.number, unit.fixed(sum.mean_psi, 2), unit.symbol(), unit.fixed(sum.highest_psi, 2), unit.symbol(),
-      sum.highest / columns, sum.highest % columns, flags.flat, flags.unknown, flags.out_of_range, flags.dead,
-      flags.lost, frame.latency_us);
-}
-
-std::string summary_line(const LiveSummary& summary) {
-  return fmt::format(
-      "{}, {} lost; request to compensated values: median {:.0f} us, p99 {:.0f} us, worst {:.0f} us (of it "
-      "the compensation, median {:.1f} us)\n",
-      analysis::counted(summary.frames, "frame"), summary.lost, summary.median_us, summary.p99_us, summary.worst_us,
-      summary.compensation_median_us);
 }
 
 std::string frame_rows(const LiveFrame& frame) {

@@ -21,11 +21,6 @@ struct FrameSummary {
 };
 FrameSummary summed(const LiveFrame& frame);
 
-// Both end with a line break.
-std::string frame_line(const LiveFrame& frame, const FrameSummary& sum, std::size_t columns,
-                       analysis::PressureUnit unit);
-std::string summary_line(const LiveSummary& summary);
-
 // CSV: one row per taxel, and the header line.
 inline constexpr const char* kFramesHead = "frame,time_s,taxel,pressure_psi,uncertainty_psi,status\n";
 std::string frame_rows(const LiveFrame& frame);

@@ -1,6 +1,4 @@
-// model show, adjust; and what fit --check prints.
-#include "bench/cli/models/model.h"
-
+// `model show`, `model adjust`, `model diff`, `fit --check`.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -10,16 +8,19 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <vector>
 
 #include "analysis/counted.h"
 #include "analysis/error.h"
+#include "analysis/identify/sensor_model.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/json_fields.h"
 #include "analysis/statistics/sensor/drift.h"
 #include "bench/cli/models/fit_models.h"
 #include "bench/cli/models/model_table.h"
 #include "bench/cli/runs/source.h"
+#include "bench/cli/session.h"
 #include "bench/common/build_info.h"
 #include "bench/common/output_file.h"
 
@@ -30,6 +31,123 @@ namespace {
 using analysis::ModelParameter;
 using analysis::ModelTaxel;
 using analysis::SensorModel;
+
+// The displayed unit of a model's inputs, and the factor from the model's own unit to it. Only pressures are converted.
+struct ShownInput {
+  std::string unit;
+  double factor = 1.0;
+};
+
+ShownInput shown_input(const SensorModel& model, analysis::PressureUnit unit) {
+  if (model.input_unit != "psi") return {model.input_unit};
+  return {unit.symbol(), unit.of(1.0)};
+}
+
+// "1/x" becomes "1/psi" if the model has the units of its input x and its output y.
+std::string parameter_unit(const std::string& unit, const SensorModel& model, const ShownInput& input) {
+  std::string text;
+  for (const char c : unit) {
+    const bool known = (c == 'x' && !input.unit.empty()) || (c == 'y' && !model.output_unit.empty());
+    text += known ? (c == 'x' ? input.unit : model.output_unit) : std::string(1, c);
+  }
+  return text;
+}
+
+// The factor by which a parameter with the unit "x", "1/x" or "y/x^3" is multiplied for display.
+double parameter_factor(const std::string& unit, const ShownInput& input) {
+  const std::size_t at = unit.find('x');
+  if (at == std::string::npos) return 1.0;
+  const int power = unit.compare(at, 2, "x^") == 0 ? std::stoi(unit.substr(at + 2)) : 1;
+  return std::pow(input.factor, unit.find('/') < at ? -power : power);
+}
+
+// Largest and mean difference of each parameter over the taxels that both models have.
+// Prints the differences of the parameters of two models (names as `model diff` takes them) and sets the exit code: 1
+// if they differ. Throws TB-MODEL-DIFF for models of different kinds.
+void diff_models(const std::string& first, const std::string& second, Session& session) {
+  const SensorModel a = load_model(first, session), b = load_model(second, session);
+  if (a.model != b.model)
+    throw Error("TB-MODEL-DIFF", fmt::format("one is {}, the other {}", a.model, b.model), "model diff");
+  struct Line {
+    std::string name, unit;
+    double sum = 0.0, worst = 0.0;
+    int count = 0, worst_taxel = 0;
+    std::string other_unit;  // of the second model, if it differs
+  };
+  const ShownInput input = shown_input(a, session.unit()), other_input = shown_input(b, session.unit());
+  std::vector<Line> lines;
+  // By name: a taxel may lack a weight of Preisach's that another has.
+  std::map<std::string, std::size_t, std::less<>> places;
+  const auto add = [&](const std::string& name, const std::string& unit, double off, int taxel) {
+    const auto [place, fresh] = places.try_emplace(name, lines.size());
+    if (fresh) lines.push_back({name, unit, 0.0, 0.0, 0, 0, {}});
+    Line& line = lines[place->second];
+    line.sum += off;
+    ++line.count;
+    if (std::abs(off) > std::abs(line.worst)) {
+      line.worst = off;
+      line.worst_taxel = taxel;
+    }
+  };
+  int only = 0;
+  for (const ModelTaxel& own : a.taxels) {
+    const auto other = std::ranges::find(b.taxels, own.taxel, &ModelTaxel::taxel);
+    if (other == b.taxels.end() || !own.fit.model || !other->fit.model) {
+      only += own.fit.model != nullptr ? 1 : 0;
+      continue;
+    }
+    add("zero", a.output_unit, other->zero - own.zero, own.taxel);
+    add("gain", "1", other->gain - own.gain, own.taxel);
+    if (a.dynamics && b.dynamics) {
+      add("creep_scale", "1", other->creep_scale - own.creep_scale, own.taxel);
+      add("lag_share", "1", other->lag_share - own.lag_share, own.taxel);
+    }
+    // A parameter that a model does not have, c or a weight, counts as 0.
+    const auto p = own.fit.model->parameters(), q = other->fit.model->parameters();
+    for (const ModelParameter& mine : p) {
+      const auto theirs = std::ranges::find(q, mine.name, &ModelParameter::name);
+      add(mine.name, parameter_unit(mine.unit, a, input),
+          parameter_factor(mine.unit, input) * ((theirs == q.end() ? 0.0 : theirs->value) - mine.value), own.taxel);
+      if (theirs == q.end()) continue;
+      const std::string unit = parameter_unit(theirs->unit, b, other_input);
+      if (Line& line = lines[places.find(mine.name)->second]; line.unit != unit) line.other_unit = unit;
+    }
+    for (const ModelParameter& theirs : q)
+      if (std::ranges::find(p, theirs.name, &ModelParameter::name) == p.end())
+        add(theirs.name, parameter_unit(theirs.unit, b, other_input),
+            parameter_factor(theirs.unit, other_input) * theirs.value, own.taxel);
+  }
+  const bool same = analysis::to_text(a) == analysis::to_text(b);
+  session.code = same ? ExitCode::kPass : ExitCode::kCriterionFailed;
+  if (session.json) {
+    auto json = nlohmann::ordered_json::array();
+    for (const Line& line : lines) {
+      const auto figure = [&](double value) {  // null: of unlike quantities
+        return line.other_unit.empty() ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
+      };
+      json.push_back({JSON_FIELDS(line, name, unit),
+                      {"unit_of_second", line.other_unit.empty() ? line.unit : line.other_unit},
+                      {"mean", figure(line.sum / line.count)},
+                      {"largest", figure(line.worst)},
+                      {"taxel", line.worst_taxel}});
+    }
+    print_json("model.diff", {{"same", same}, {"taxels_of_first_alone", only}, {"parameters", json}});
+    return;
+  }
+  tty::print("{} against {}: {}\n", second, first, same ? "the same, byte for byte" : "not the same");
+  if (only > 0) tty::print("{} fitted only in the first\n", analysis::counted(only, "taxel is", "taxels are"));
+  analysis::doc::Table table{
+      .columns = {{"parameter"}, {"mean difference", true}, {"largest", true}, {"taxel", true}, {"unit"}}};
+  for (const Line& line : lines)
+    if (line.other_unit.empty())
+      table.rows.push_back({{line.name, fmt::format("{:.4g}", line.sum / line.count), fmt::format("{:.4g}", line.worst),
+                             std::to_string(line.worst_taxel), line.unit}});
+    else
+      table.rows.push_back(
+          {{line.name, "-", "-", "-",
+            fmt::format("not compared: {} in the first, {} in the second", line.unit, line.other_unit)}});
+  if (!lines.empty()) print_table(std::move(table));
+}
 
 std::string range_text(const std::optional<analysis::Range>& range, const std::string& unit, double factor = 1.0) {
   return range ? fmt::format("{:.4g} .. {:.4g} {}", factor * range->low, factor * range->high, unit) : "not known";
@@ -230,117 +348,6 @@ void add_model(CLI::App& app, Session& session) {
   add_void_too(*adjust_verb, session);
   adjust_verb->callback([options, &session] { adjust(*options, session); });
   add_subverbs(*model, session);
-}
-
-using analysis::ModelParameter;
-using analysis::ModelTaxel;
-using analysis::SensorModel;
-
-ShownInput shown_input(const SensorModel& model, analysis::PressureUnit unit) {
-  if (model.input_unit != "psi") return {model.input_unit};
-  return {unit.symbol(), unit.of(1.0)};
-}
-
-std::string parameter_unit(const std::string& unit, const SensorModel& model, const ShownInput& input) {
-  std::string text;
-  for (const char c : unit) {
-    const bool known = (c == 'x' && !input.unit.empty()) || (c == 'y' && !model.output_unit.empty());
-    text += known ? (c == 'x' ? input.unit : model.output_unit) : std::string(1, c);
-  }
-  return text;
-}
-
-double parameter_factor(const std::string& unit, const ShownInput& input) {
-  const std::size_t at = unit.find('x');
-  if (at == std::string::npos) return 1.0;
-  const int power = unit.compare(at, 2, "x^") == 0 ? std::stoi(unit.substr(at + 2)) : 1;
-  return std::pow(input.factor, unit.find('/') < at ? -power : power);
-}
-
-// Largest and mean difference of each parameter over the taxels that both models have.
-void diff_models(const std::string& first, const std::string& second, Session& session) {
-  const SensorModel a = load_model(first, session), b = load_model(second, session);
-  if (a.model != b.model)
-    throw Error("TB-MODEL-DIFF", fmt::format("one is {}, the other {}", a.model, b.model), "model diff");
-  struct Line {
-    std::string name, unit;
-    double sum = 0.0, worst = 0.0;
-    int count = 0, worst_taxel = 0;
-    std::string other_unit;  // of the second model, if it differs
-  };
-  const ShownInput input = shown_input(a, session.unit()), other_input = shown_input(b, session.unit());
-  std::vector<Line> lines;
-  // By name: a taxel may lack a weight of Preisach's that another has.
-  std::map<std::string, std::size_t, std::less<>> places;
-  const auto add = [&](const std::string& name, const std::string& unit, double off, int taxel) {
-    const auto [place, fresh] = places.try_emplace(name, lines.size());
-    if (fresh) lines.push_back({name, unit, 0.0, 0.0, 0, 0, {}});
-    Line& line = lines[place->second];
-    line.sum += off;
-    ++line.count;
-    if (std::abs(off) > std::abs(line.worst)) {
-      line.worst = off;
-      line.worst_taxel = taxel;
-    }
-  };
-  int only = 0;
-  for (const ModelTaxel& own : a.taxels) {
-    const auto other = std::ranges::find(b.taxels, own.taxel, &ModelTaxel::taxel);
-    if (other == b.taxels.end() || !own.fit.model || !other->fit.model) {
-      only += own.fit.model != nullptr ? 1 : 0;
-      continue;
-    }
-    add("zero", a.output_unit, other->zero - own.zero, own.taxel);
-    add("gain", "1", other->gain - own.gain, own.taxel);
-    if (a.dynamics && b.dynamics) {
-      add("creep_scale", "1", other->creep_scale - own.creep_scale, own.taxel);
-      add("lag_share", "1", other->lag_share - own.lag_share, own.taxel);
-    }
-    // A parameter that a model does not have, c or a weight, counts as 0.
-    const auto p = own.fit.model->parameters(), q = other->fit.model->parameters();
-    for (const ModelParameter& mine : p) {
-      const auto theirs = std::ranges::find(q, mine.name, &ModelParameter::name);
-      add(mine.name, parameter_unit(mine.unit, a, input),
-          parameter_factor(mine.unit, input) * ((theirs == q.end() ? 0.0 : theirs->value) - mine.value), own.taxel);
-      if (theirs == q.end()) continue;
-      const std::string unit = parameter_unit(theirs->unit, b, other_input);
-      if (Line& line = lines[places.find(mine.name)->second]; line.unit != unit) line.other_unit = unit;
-    }
-    for (const ModelParameter& theirs : q)
-      if (std::ranges::find(p, theirs.name, &ModelParameter::name) == p.end())
-        add(theirs.name, parameter_unit(theirs.unit, b, other_input),
-            parameter_factor(theirs.unit, other_input) * theirs.value, own.taxel);
-  }
-  const bool same = analysis::to_text(a) == analysis::to_text(b);
-  session.code = same ? ExitCode::kPass : ExitCode::kCriterionFailed;
-  if (session.json) {
-    auto json = nlohmann::ordered_json::array();
-    for (const Line& line : lines) {
-      const auto figure = [&](double value) {  // null: of unlike quantities
-        return line.other_unit.empty() ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
-      };
-      json.push_back({JSON_FIELDS(line, name, unit),
-                      {"unit_of_second", line.other_unit.empty() ? line.unit : line.other_unit},
-                      {"mean", figure(line.sum / line.count)},
-                      {"largest", figure(line.worst)},
-                      {"taxel", line.worst_taxel}});
-    }
-    print_json("model.diff", {{"same", same}, {"taxels_of_first_alone", only}, {"parameters", json}});
-    return;
-  }
-  tty::print("{} against {}: {}\n", second, first, same ? "the same, byte for byte" : "not the same");
-  if (only > 0) tty::print("{} fitted only in the first\n", analysis::counted(only, "taxel is", "taxels are"));
-  analysis::doc::Table table{
-      .columns = {{"parameter"}, {"mean difference", true}, {"largest", true}, {"taxel", true}, {"unit"}}};
-  for (const Line& line : lines)
-    if (line.other_unit.empty())
-      table.rows.push_back({{line.name, fmt::format("{:.4g}", line.sum / line.count), fmt::format("{:.4g}", line.worst),
-                             std::to_string(line.worst_taxel), line.unit}});
-    else
-      table.rows.push_back(
-          {{line.name, "-", "-", "-",
-            fmt::format("not compared: {} in the first, {} in the second", line.unit, line.other_unit)}});
-  if (!lines.empty()) print_table(std::move(table));
 }
 
 }  // namespace tactbench::bench

@@ -20,9 +20,9 @@
 #include <vector>
 
 #include "analysis/counted.h"
-#include "analysis/export/fixed_stream.h"
-#include "analysis/identify/compensators.h"
+#include "analysis/export/quantise.h"
 #include "analysis/identify/dynamic/dynamic_fit.h"
+#include "analysis/identify/sensor_model.h"
 #include "analysis/read_whole_file.h"
 #include "analysis/table.h"
 #include "bench/cli/models/fixed_options.h"

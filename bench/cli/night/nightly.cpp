@@ -28,6 +28,15 @@
 namespace tactbench::bench {
 namespace {
 
+struct NightlyOptions {
+  std::string suite, stores, result, shard, copy;
+  NightFiles files;
+  Selection selection;
+  int jobs = 2;
+  double limit_s = 300.0;
+  bool list = false, stop_on_red = false, keeps = false;  // keeps: --db was given
+};
+
 void list_scenarios(const Suite& suite, const Session& session) {
   auto json = nlohmann::ordered_json::array();
   analysis::doc::Table table{.columns = {{"scenario"}, {.title = "about", .cut = true}}};
@@ -136,8 +145,6 @@ void nightly(const NightlyOptions& options, Session& session) {
   print_night(suite, results);
 }
 
-}  // namespace
-
 void add_nightly_options(CLI::App& verb, NightlyOptions& options, Session& session) {
   verb.add_option("suite", options.suite, "suite file; nightly is the shipped one")->required();
   verb.add_option("--jobs", options.jobs, "number of scenarios in parallel")
@@ -169,6 +176,8 @@ void add_nightly_options(CLI::App& verb, NightlyOptions& options, Session& sessi
   verb.add_option("--result", options.result)->group("");
   verb.footer("--db FILE, as typed, keeps the night in that store and compares it with the baselines.");
 }
+
+}  // namespace
 
 void add_nightly(CLI::App& app, Session& session) {
   auto options = std::make_shared<NightlyOptions>();

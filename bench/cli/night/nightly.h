@@ -26,17 +26,4 @@ nlohmann::ordered_json night_json(const Suite& suite, const std::vector<Scenario
 // Sentences show pressures in `unit`; names of figures show the unit in which they are stored.
 void print_night(const Suite& suite, const std::vector<ScenarioResult>& results);
 
-// The options of `nightly`.
-
-struct NightlyOptions {
-  std::string suite, stores, result, shard, copy;
-  NightFiles files;
-  Selection selection;
-  int jobs = 2;
-  double limit_s = 300.0;
-  bool list = false, stop_on_red = false, keeps = false;  // keeps: --db was given
-};
-
-void add_nightly_options(CLI::App& verb, NightlyOptions& options, Session& session);
-
 }  // namespace tactbench::bench

@@ -147,6 +147,9 @@ void place(WrittenReport& out, const db::RunStore& store, const ReportOptions& o
   out.written = may_be_written(out.path, out.report.number, store);
 }
 
+// for a comparison or a batch
+std::string report_stage_of(std::int64_t run) { return fmt::format("run {}", run); }
+
 WrittenReport several_runs(analysis::Runs& runs, const ReportOptions& options, const Session& session) {
   const db::RunStore& store = runs.store();
   std::vector<analysis::ReportInput> inputs;
@@ -283,6 +286,58 @@ std::optional<analysis::Verdict> worst_of(const std::vector<analysis::Judgement>
   return worst;
 }
 
+// Checks that all runs on the command line exist and may be used (evidence.h). The report's own run may be void.
+void check_report_runs(analysis::Runs& runs, const ReportOptions& options, const Session& session) {
+  const std::int64_t run = options.runs.front();
+  const bool alone = options.runs.size() == 1 && options.held_out.empty() && options.model.empty() &&
+                     options.limits.empty() && options.signed_by.empty() && options.annexes.empty() &&
+                     options.extras.previous.empty() && options.extras.studies.empty() && !options.batch;
+  for (const std::int64_t own : options.runs)
+    if (runs.record(own).origin == "imported" && !alone)
+      throw Error(
+          "TB-USAGE", fmt::format("run {} came from a table and cannot be combined with other runs", own), "report",
+          fmt::format("its report has only loop, models and errors, and is not signed: tactbench report {}", own));
+  if (runs.record(run).origin == "imported") {
+    if (options.format == "dcc")
+      throw Error("TB-REPORT-DCC",
+                  "a digital calibration certificate needs U of a reading, which a table does not give",
+                  fmt::format("report {} --format dcc", run), "choose another --format");
+    return;
+  }
+  if (options.compare || options.batch) {
+    (void)named_runs(runs, options.runs, {"report --compare and --batch"}, session.void_too);
+    return;
+  }
+  const ModelReference named = parse_model_reference(options.model, run);
+  const std::int64_t model_run = named.run;
+  if (model_run != run) (void)named_runs(runs, {model_run}, {"--model"}, session.void_too);
+  (void)named_runs(runs, {options.runs.begin() + 1, options.runs.end()}, {"runs after the report's own"},
+                   session.void_too);
+  std::vector<std::int64_t> independent = options.held_out;
+  (void)named_runs(runs, independent, {"--held-out", model_run}, session.void_too);
+  if (std::ranges::find(independent, run) != independent.end())
+    throw Error("TB-RUN-TWICE", fmt::format("run {} is the run of the report", run), "--held-out",
+                "name only further runs: this one is always included");
+  if (!options.extras.previous.empty() && options.extras.previous != kNoPrevious)
+    check_model_named(runs, options.extras.previous, "--previous", session);
+  std::vector<std::int64_t> studied;
+  for (const StudyRun& study : study_runs_of(options.extras.studies))
+    if (study.run != run) studied.push_back(study.run);
+  (void)named_runs(runs, studied, {"--studies", model_run != run ? model_run : 0}, session.void_too);
+}
+
+// For one run: its figures, then "models" and "uncertainty" (bench/reporting/evaluation.cpp).
+// Shares of the time as on the demonstration's runs; they only divide the time left.
+std::vector<WorkStage> report_stages(const ReportOptions& options) {
+  std::vector<WorkStage> stages;
+  if (options.compare || options.batch)
+    for (const std::int64_t run : options.runs) stages.push_back({report_stage_of(run), 2.0, false});
+  else
+    stages = {{"figures", 2.0, false}, {"models", 4.0, false}, {"uncertainty", 4.0, false}};
+  stages.push_back({kWritingReport, options.format == "pdf" ? 8.0 : 1.0, false});
+  return stages;
+}
+
 }  // namespace
 
 WrittenReport write_reports(ReportOptions options, Session& session) {
@@ -358,6 +413,77 @@ void report_runs(ReportOptions options, Session& session) {
   tty::print("report {}: {}{}\n", written.report.number, path,
              written.written ? "" : " (signed: the file is unchanged)");
   if (!written.signature.empty()) tty::print("signature {}\n", one_line(written.signature));
+}
+
+void add_report_options(CLI::App& verb, ReportOptions& options, Session& session) {
+  verb.add_option("runs", options.named,
+                  "the run; further runs of the same sensor add creep and temperature to the uncertainty; with --batch "
+                  "many, e.g. 1-99")
+      ->take_all();
+  verb.add_option("--held-out", options.held_out,
+                  "runs of the same sensor to correct with the models and to judge separately: the worst verdict "
+                  "counts (default: those on which the models were judged)")
+      ->take_all();
+  verb.add_option("--limits", options.limits,
+                  "judge by this limits file, without storing (default: the limits by which the models were judged)");
+  session.profile.add(verb, "--lab", ProfileKey::kLab, options.lab,
+                      "laboratory file: facts that no instrument can supply (init writes one)");
+  verb.add_option("--format", options.format,
+                  "html; pdf with the data attached (needs chromium or weasyprint); json: only the data; dcc: a "
+                  "digital calibration "
+                  "certificate (XML)")
+      ->check(CLI::IsMember({"html", "pdf", "json", "dcc"}))
+      ->capture_default_str();
+  verb.add_option("-o,--output", options.output,
+                  "file to write (default: reports/run-N.html in the store's folder, by its number when signed)");
+  std::vector<std::string> annexes(analysis::kAnnexes.begin(), analysis::kAnnexes.end());
+  annexes.emplace_back("all");
+  verb.add_option(
+          "--annex", options.annexes,
+          "annexes beyond the six pages: maps of every level, taxels, models, parameters, events, hashes, or all")
+      ->delimiter(',')
+      ->check(CLI::IsMember(std::move(annexes)));
+  verb.add_option("--previous", options.extras.previous,
+                  "earlier models with which the report judges the sensor as found: a .json file, RUN or RUN:FIT, or "
+                  "none (default: those of the sensor's earlier runs in the store)")
+      ->group(kRareOptions);
+  verb.add_option("--studies", options.extras.studies,
+                  "further runs of the sensor: under objects, at several rates, held (recognised by their recipes), "
+                  "at another temperature (recognised by their thermometer), re-mounted (RUN:mount), turned in the "
+                  "chamber (RUN:90, RUN:180, RUN:270); held levels and temperature enter the uncertainty")
+      ->take_all()
+      ->group(kRareOptions);
+  verb.add_option(
+          "--model", options.model,
+          "use the models of this run, or RUN:FIT (default: the newest dynamic model or ELAM of the run itself)")
+      ->group(kRareOptions);
+  verb.add_option("--paper", options.paper, "a4 or letter")
+      ->check(CLI::IsMember({"a4", "letter"}))
+      ->capture_default_str()
+      ->group(kRareOptions);
+  verb.add_option("--pdf-with", options.pdf_with, "program that makes the PDF: chromium or weasyprint")
+      ->check(CLI::IsMember({"chromium", "weasyprint"}))
+      ->group(kRareOptions);
+  add_replace(verb, session);
+  add_void_too(verb, session);
+  verb.footer("Pressures on the page are in kPa with psi, in the terminal in psi, or in the unit of --units.");
+}
+
+// The options of `report`, and those of signing one. `options` must outlive the parsing.
+void add_sign_options(CLI::App& verb, ReportOptions& options) {
+  const auto filled = [](const std::string& text) { return std::string(db::is_blank(text) ? "it is empty" : ""); };
+  verb.add_option("--by", options.signed_by, "name of the signer; the signed report is not overwritten")->check(filled);
+  verb.add_option("--key", options.signer.key,
+                  "private key (PEM): writes FILE.p7s next to the file, a signature that openssl can check");
+  verb.add_option("--certificate", options.signer.certificate, "its certificate (PEM), then those of its issuers");
+  verb.add_option("--pkcs12", options.signer.pkcs12, "key and certificate in one file (PKCS#12), instead of both");
+  verb.add_option("--password-file", options.signer.password, "file with the key's password in its first line");
+  verb.add_option("--reason", options.reason,
+                  "what changed since the signed report that this one replaces, and why; printed on page 1, and needed "
+                  "to sign it")
+      ->check(filled);
+  verb.add_option("--issued-at", options.issued, "date of issue, as 2026-01-31 (default: today)");
+  verb.add_flag("--without-verdict", options.without_verdict, "sign a report that has no verdict");
 }
 
 }  // namespace
@@ -483,128 +609,6 @@ void check_models_of_array(analysis::Runs& runs, const analysis::SensorModel& fi
   };
   if (runs.record(named.run).origin == "imported") refuse("it came from an imported table");
   if (fit.fitted().empty()) refuse("it has no model of a single taxel of the array");
-}
-
-void check_report_runs(analysis::Runs& runs, const ReportOptions& options, const Session& session) {
-  const std::int64_t run = options.runs.front();
-  const bool alone = options.runs.size() == 1 && options.held_out.empty() && options.model.empty() &&
-                     options.limits.empty() && options.signed_by.empty() && options.annexes.empty() &&
-                     options.extras.previous.empty() && options.extras.studies.empty() && !options.batch;
-  for (const std::int64_t own : options.runs)
-    if (runs.record(own).origin == "imported" && !alone)
-      throw Error(
-          "TB-USAGE", fmt::format("run {} came from a table and cannot be combined with other runs", own), "report",
-          fmt::format("its report has only loop, models and errors, and is not signed: tactbench report {}", own));
-  if (runs.record(run).origin == "imported") {
-    if (options.format == "dcc")
-      throw Error("TB-REPORT-DCC",
-                  "a digital calibration certificate needs U of a reading, which a table does not give",
-                  fmt::format("report {} --format dcc", run), "choose another --format");
-    return;
-  }
-  if (options.compare || options.batch) {
-    (void)named_runs(runs, options.runs, {"report --compare and --batch"}, session.void_too);
-    return;
-  }
-  const ModelReference named = parse_model_reference(options.model, run);
-  const std::int64_t model_run = named.run;
-  if (model_run != run) (void)named_runs(runs, {model_run}, {"--model"}, session.void_too);
-  (void)named_runs(runs, {options.runs.begin() + 1, options.runs.end()}, {"runs after the report's own"},
-                   session.void_too);
-  std::vector<std::int64_t> independent = options.held_out;
-  (void)named_runs(runs, independent, {"--held-out", model_run}, session.void_too);
-  if (std::ranges::find(independent, run) != independent.end())
-    throw Error("TB-RUN-TWICE", fmt::format("run {} is the run of the report", run), "--held-out",
-                "name only further runs: this one is always included");
-  if (!options.extras.previous.empty() && options.extras.previous != kNoPrevious)
-    check_model_named(runs, options.extras.previous, "--previous", session);
-  std::vector<std::int64_t> studied;
-  for (const StudyRun& study : study_runs_of(options.extras.studies))
-    if (study.run != run) studied.push_back(study.run);
-  (void)named_runs(runs, studied, {"--studies", model_run != run ? model_run : 0}, session.void_too);
-}
-
-void add_report_options(CLI::App& verb, ReportOptions& options, Session& session) {
-  verb.add_option("runs", options.named,
-                  "the run; further runs of the same sensor add creep and temperature to the uncertainty; with --batch "
-                  "many, e.g. 1-99")
-      ->take_all();
-  verb.add_option("--held-out", options.held_out,
-                  "runs of the same sensor to correct with the models and to judge separately: the worst verdict "
-                  "counts (default: those on which the models were judged)")
-      ->take_all();
-  verb.add_option("--limits", options.limits,
-                  "judge by this limits file, without storing (default: the limits by which the models were judged)");
-  session.profile.add(verb, "--lab", ProfileKey::kLab, options.lab,
-                      "laboratory file: facts that no instrument can supply (init writes one)");
-  verb.add_option("--format", options.format,
-                  "html; pdf with the data attached (needs chromium or weasyprint); json: only the data; dcc: a "
-                  "digital calibration "
-                  "certificate (XML)")
-      ->check(CLI::IsMember({"html", "pdf", "json", "dcc"}))
-      ->capture_default_str();
-  verb.add_option("-o,--output", options.output,
-                  "file to write (default: reports/run-N.html in the store's folder, by its number when signed)");
-  std::vector<std::string> annexes(analysis::kAnnexes.begin(), analysis::kAnnexes.end());
-  annexes.emplace_back("all");
-  verb.add_option(
-          "--annex", options.annexes,
-          "annexes beyond the six pages: maps of every level, taxels, models, parameters, events, hashes, or all")
-      ->delimiter(',')
-      ->check(CLI::IsMember(std::move(annexes)));
-  verb.add_option("--previous", options.extras.previous,
-                  "earlier models with which the report judges the sensor as found: a .json file, RUN or RUN:FIT, or "
-                  "none (default: those of the sensor's earlier runs in the store)")
-      ->group(kRareOptions);
-  verb.add_option("--studies", options.extras.studies,
-                  "further runs of the sensor: under objects, at several rates, held (recognised by their recipes), "
-                  "at another temperature (recognised by their thermometer), re-mounted (RUN:mount), turned in the "
-                  "chamber (RUN:90, RUN:180, RUN:270); held levels and temperature enter the uncertainty")
-      ->take_all()
-      ->group(kRareOptions);
-  verb.add_option(
-          "--model", options.model,
-          "use the models of this run, or RUN:FIT (default: the newest dynamic model or ELAM of the run itself)")
-      ->group(kRareOptions);
-  verb.add_option("--paper", options.paper, "a4 or letter")
-      ->check(CLI::IsMember({"a4", "letter"}))
-      ->capture_default_str()
-      ->group(kRareOptions);
-  verb.add_option("--pdf-with", options.pdf_with, "program that makes the PDF: chromium or weasyprint")
-      ->check(CLI::IsMember({"chromium", "weasyprint"}))
-      ->group(kRareOptions);
-  add_replace(verb, session);
-  add_void_too(verb, session);
-  verb.footer("Pressures on the page are in kPa with psi, in the terminal in psi, or in the unit of --units.");
-}
-
-void add_sign_options(CLI::App& verb, ReportOptions& options) {
-  const auto filled = [](const std::string& text) { return std::string(db::is_blank(text) ? "it is empty" : ""); };
-  verb.add_option("--by", options.signed_by, "name of the signer; the signed report is not overwritten")->check(filled);
-  verb.add_option("--key", options.signer.key,
-                  "private key (PEM): writes FILE.p7s next to the file, a signature that openssl can check");
-  verb.add_option("--certificate", options.signer.certificate, "its certificate (PEM), then those of its issuers");
-  verb.add_option("--pkcs12", options.signer.pkcs12, "key and certificate in one file (PKCS#12), instead of both");
-  verb.add_option("--password-file", options.signer.password, "file with the key's password in its first line");
-  verb.add_option("--reason", options.reason,
-                  "what changed since the signed report that this one replaces, and why; printed on page 1, and needed "
-                  "to sign it")
-      ->check(filled);
-  verb.add_option("--issued-at", options.issued, "date of issue, as 2026-01-31 (default: today)");
-  verb.add_flag("--without-verdict", options.without_verdict, "sign a report that has no verdict");
-}
-
-std::string report_stage_of(std::int64_t run) { return fmt::format("run {}", run); }
-
-// Shares of the time as on the demonstration's runs; they only divide the time left.
-std::vector<WorkStage> report_stages(const ReportOptions& options) {
-  std::vector<WorkStage> stages;
-  if (options.compare || options.batch)
-    for (const std::int64_t run : options.runs) stages.push_back({report_stage_of(run), 2.0, false});
-  else
-    stages = {{"figures", 2.0, false}, {"models", 4.0, false}, {"uncertainty", 4.0, false}};
-  stages.push_back({kWritingReport, options.format == "pdf" ? 8.0 : 1.0, false});
-  return stages;
 }
 
 }  // namespace tactbench::bench

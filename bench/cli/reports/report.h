@@ -12,7 +12,7 @@
 #include "bench/common/work_progress.h"
 #include "bench/reporting/judgement.h"
 #include "bench/reporting/report_results.h"
-#include "bench/reporting/signature.h"
+#include "bench/reporting/signed_reports.h"
 
 namespace tactbench::bench {
 
@@ -29,10 +29,6 @@ struct ReportOptions {
   ReportExtras extras;
   SignerFiles signer;  // of report sign
 };
-
-// The options of `report`, and those of signing one. `options` must outlive the parsing.
-void add_report_options(CLI::App& verb, ReportOptions& options, Session& session);
-void add_sign_options(CLI::App& verb, ReportOptions& options);
 
 // The run and the fit whose models are used. fit 0: the newest that was not replaced, dynamic or ELAM. {`run`, 0} if
 // none is named.
@@ -56,18 +52,10 @@ void check_independent_of_dynamics(const db::RunStore& store, const analysis::Se
 // Checks that models named by RUN:FIT come from a run of the bench and have single taxels. Throws TB-USAGE.
 void check_models_of_array(analysis::Runs& runs, const analysis::SensorModel& fit, const ModelReference& named);
 
-// Checks that all runs on the command line exist and may be used (evidence.h). The report's own run may be void.
-void check_report_runs(analysis::Runs& runs, const ReportOptions& options, const Session& session);
-
 // The stages of `report` for its progress line.
-
 inline constexpr const char* kWritingReport = "writing";  // the last stage
-std::string report_stage_of(std::int64_t run);            // for a comparison or a batch
-// For one run: its figures, then "models" and "uncertainty" (bench/reporting/evaluation.cpp).
-std::vector<WorkStage> report_stages(const ReportOptions& options);
 
 // Writes the reports of `report`, also for other verbs that write a report.
-
 struct WrittenReport {
   analysis::Report report;
   std::string dcc;                                  // if that format was requested

@@ -19,7 +19,6 @@
 #include "bench/cli/session.h"
 #include "bench/common/utc.h"
 #include "bench/reporting/evaluation.h"
-#include "bench/reporting/signature.h"
 #include "bench/reporting/signed_reports.h"
 #include "db/run_store.h"
 
@@ -221,44 +220,6 @@ void record_signed_file(const std::string& path, const std::string& number, std:
   }
 }
 
-void verify_report(const std::string& named, const std::string& root, Session& session) {
-  const bool is_file = std::filesystem::is_regular_file(named);
-  if (is_file && !root.empty() && !std::filesystem::exists(session.db)) {  // a customer has none
-    const Finding alone{named,           "",
-                        "unknown",       fmt::format("there is no store {}: only its signature is checked", session.db),
-                        ExitCode::kPass, check_signature_of(named, root)};
-    return tell("", std::nullopt, {alone}, {}, session);
-  }
-  const db::RunStore store = db::RunStore::open_read_only(session.db);
-  if (!is_file && !is_number(named))
-    throw Error("TB-USAGE", fmt::format("'{}' is neither a file nor the number of a report", named), "report verify",
-                "a number is as in 1-2ccd46bc: tactbench report list shows those that were signed");
-  const std::string number = is_file ? signed_report_in(named, store) : named;
-  const std::optional<KnownReport> known = number.empty() ? std::optional<KnownReport>() : known_report(store, number);
-  std::vector<Finding> findings;
-  if (!known && is_file && number.empty()) {
-    findings.push_back({named, "", "not signed",
-                        "not a signed report: the store keeps no others; `tactbench report RUN` makes them again",
-                        ExitCode::kInconclusive});
-  } else if (!known) {
-    findings.push_back({is_file ? named : "", "", "unknown",
-                        fmt::format("report {} was not signed in {}", number, session.db), ExitCode::kCriterionFailed});
-  } else if (is_file) {
-    findings.push_back(inspect_report(*known, named));
-  } else {
-    for (const char* ending : kReportEndings)
-      if (const std::string path = report_path(store, fmt::format("run-{}.{}", number, ending));
-          std::filesystem::is_regular_file(path))
-        findings.push_back(inspect_report(*known, path));
-    if (findings.empty())
-      findings.push_back({"", "", "no file", "its file is not next to the store: name it", ExitCode::kInconclusive});
-  }
-  for (Finding& one : findings)
-    if (!one.file.empty() && (!root.empty() || std::filesystem::exists(one.file + ".p7s")))
-      one.signature = check_signature_of(one.file, root);
-  tell(number, known, findings, known ? check_evidence(store, known->report) : ReportEvidence(), session);
-}
-
 // report list, report verify: the signed reports.
 
 namespace {
@@ -308,6 +269,49 @@ void list(std::int64_t only, const Session& session) {
   if (json.empty()) return tty::print("no report is signed: tactbench report sign RUN --by NAME signs one\n");
   print_table(std::move(table));
   print_document(out, session.unit());
+}
+
+// `named`: a file, or the number of a signed report, whose files next to the store are checked. Sets session.code: pass
+// if a file is unchanged and its run is not void, criterion failed if something was changed or the run is void,
+// inconclusive if that cannot be determined. Throws Error TB-USAGE if it is neither, StoreError. With `root`
+// (certificates in PEM), or if a file has a signature (FILE.p7s), also checks the signature (signed_reports.h); a file
+// can then be checked without a store.
+void verify_report(const std::string& named, const std::string& root, Session& session) {
+  const bool is_file = std::filesystem::is_regular_file(named);
+  if (is_file && !root.empty() && !std::filesystem::exists(session.db)) {  // a customer has none
+    const Finding alone{named,           "",
+                        "unknown",       fmt::format("there is no store {}: only its signature is checked", session.db),
+                        ExitCode::kPass, check_signature_of(named, root)};
+    return tell("", std::nullopt, {alone}, {}, session);
+  }
+  const db::RunStore store = db::RunStore::open_read_only(session.db);
+  if (!is_file && !is_number(named))
+    throw Error("TB-USAGE", fmt::format("'{}' is neither a file nor the number of a report", named), "report verify",
+                "a number is as in 1-2ccd46bc: tactbench report list shows those that were signed");
+  const std::string number = is_file ? signed_report_in(named, store) : named;
+  const std::optional<KnownReport> known = number.empty() ? std::optional<KnownReport>() : known_report(store, number);
+  std::vector<Finding> findings;
+  if (!known && is_file && number.empty()) {
+    findings.push_back({named, "", "not signed",
+                        "not a signed report: the store keeps no others; `tactbench report RUN` makes them again",
+                        ExitCode::kInconclusive});
+  } else if (!known) {
+    findings.push_back({is_file ? named : "", "", "unknown",
+                        fmt::format("report {} was not signed in {}", number, session.db), ExitCode::kCriterionFailed});
+  } else if (is_file) {
+    findings.push_back(inspect_report(*known, named));
+  } else {
+    for (const char* ending : kReportEndings)
+      if (const std::string path = report_path(store, fmt::format("run-{}.{}", number, ending));
+          std::filesystem::is_regular_file(path))
+        findings.push_back(inspect_report(*known, path));
+    if (findings.empty())
+      findings.push_back({"", "", "no file", "its file is not next to the store: name it", ExitCode::kInconclusive});
+  }
+  for (Finding& one : findings)
+    if (!one.file.empty() && (!root.empty() || std::filesystem::exists(one.file + ".p7s")))
+      one.signature = check_signature_of(one.file, root);
+  tell(number, known, findings, known ? check_evidence(store, known->report) : ReportEvidence(), session);
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 
 #include "bench/cli/session.h"
 #include "bench/reporting/judgement.h"
-#include "bench/reporting/signature.h"
+#include "bench/reporting/signed_reports.h"
 #include "db/record.h"
 
 namespace tactbench::bench {
@@ -27,20 +27,11 @@ void check_reason(const std::vector<db::ReportRecord>& before, const std::string
 // for any other file.
 void sign_files(const std::vector<std::string>& files, const SignerFiles& signer, const Session& session);
 
-// `report verify`: checks whether a file is a signed report and unchanged since it was signed.
-
 // The line in a run's notes that records the hash of a file of a signed report, without its date.
 std::string report_file_note(const std::string& number, const std::string& sha256);
 
 // Records the hash of a written file if report `number` is signed; a path that is not a regular file is skipped. A
 // store that cannot be written is a warning.
 void record_signed_file(const std::string& path, const std::string& number, std::int64_t run, const Session& session);
-
-// `named`: a file, or the number of a signed report, whose files next to the store are checked. Sets session.code: pass
-// if a file is unchanged and its run is not void, criterion failed if something was changed or the run is void,
-// inconclusive if that cannot be determined. Throws Error TB-USAGE if it is neither, StoreError. With `root`
-// (certificates in PEM), or if a file has a signature (FILE.p7s), also checks the signature (signature.h); a file can
-// then be checked without a store.
-void verify_report(const std::string& named, const std::string& root, Session& session);
 
 }  // namespace tactbench::bench

@@ -19,7 +19,7 @@
 #include "bench/instruments/reference_calibration.h"
 #include "bench/rig/rig.h"
 #include "bench/run/control/locks.h"
-#include "bench/run/dead_man_notices.h"
+#include "bench/run/recorder.h"
 #include "bench/safety/ramp.h"
 #include "bench/safety/safe_state.h"
 #include "devices/device.h"

@@ -18,10 +18,9 @@
 #include "bench/cli/rig/run.h"
 #include "bench/cli/session.h"
 #include "bench/config/config.h"
-#include "bench/monitor/watch_run.h"
+#include "bench/monitor/run_view.h"
 #include "bench/run/control/control_client.h"
 #include "bench/run/control/locks.h"
-#include "bench/run/control/machine_name.h"
 #include "db/run_store.h"
 
 namespace tactbench::bench {
@@ -32,6 +31,11 @@ struct ControlOptions : LiveRunSelector {  // bench of `resume`: a file
   std::string on_event;
   bool assume_yes = false, abort = false;
 };
+
+[[noreturn]] void refuse_command(ErrorId id, const std::string& what, const std::string& name,
+                                 const std::string& remedy) {
+  throw Error(id, what, name, remedy);
+}
 
 // The answer of the run that took the command; throws when it did not.
 LiveRun taken_by(const LiveRun& chosen, Command command) {
@@ -65,6 +69,23 @@ LiveRun panic_all(const std::vector<LiveRun>& runs) {
   }
   if (!taken) throw Error(*refused);
   return *taken;
+}
+
+std::string run_text(const LiveRun& live) {
+  if (live.denied) return fmt::format("a run on bench '{}' ({})", live.bench, peer_text(live.server));
+  return fmt::format("run {} of {} on bench '{}' ({}, step {}/{})", live.status.run, live.status.store, live.bench,
+                     to_string(live.status.state), live.status.step, live.status.steps);
+}
+
+// Whether it did not answer. Root queries all users' processes, so for root a process without a false claim did not
+// answer.
+bool unheard(const SilentBench& silent) { return silent.stranger && (silent.lied || ::geteuid() != 0); }
+
+std::string silent_text(const SilentBench& silent) {
+  const std::string who = silent.server ? fmt::format(" ({})", peer_text(*silent.server)) : std::string();
+  if (unheard(silent)) return fmt::format("bench '{}' is held by another user{}", silent.bench, who);
+  const std::string run = silent.run != 0 ? fmt::format("run {}", silent.run) : std::string("what holds the lock");
+  return fmt::format("{} on bench '{}' does not answer{}", run, silent.bench, who);
 }
 
 void say(const ControlOptions& options, const Session& session, Command command, const Candidates& found) {
@@ -117,6 +138,16 @@ void resume(const ControlOptions& options, Session& session) {
   say(options, session, Command::kResume, found);
 }
 
+void add_named_run(CLI::App& verb, LiveRunSelector& named) {
+  verb.add_option("run", named.run, "its number; may be omitted when one run is live");
+}
+
+// Uses --db and --bench only as typed: no file may redirect a command to another run.
+void use_typed_options(LiveRunSelector& named, const Session& session) {
+  named.db_given = session.typed("--db");
+  named.bench = session.typed_bench();
+}
+
 }  // namespace
 
 void add_control(CLI::App& app, Session& session) {
@@ -149,20 +180,6 @@ void add_control(CLI::App& app, Session& session) {
       "It uses the dead-man's own connection; the outcome is aborted. Not an emergency stop: that is a switch that "
       "cuts off air and power.");
 }
-
-namespace {
-
-std::string run_text(const LiveRun& live) {
-  if (live.denied) return fmt::format("a run on bench '{}' ({})", live.bench, peer_text(live.server));
-  return fmt::format("run {} of {} on bench '{}' ({}, step {}/{})", live.status.run, live.status.store, live.bench,
-                     to_string(live.status.state), live.status.step, live.status.steps);
-}
-
-// Whether it did not answer. Root queries all users' processes, so for root a process without a false claim did not
-// answer.
-bool unheard(const SilentBench& silent) { return silent.stranger && (silent.lied || ::geteuid() != 0); }
-
-}  // namespace
 
 std::string bench_id_of(const std::string& bench) {
   return bench.ends_with(".toml") ? read_bench(find_config(bench), {}).id : bench;
@@ -198,23 +215,11 @@ Candidates candidates(const LiveRunSelector& named, const Session& session) {
   return found;
 }
 
-std::string silent_text(const SilentBench& silent) {
-  const std::string who = silent.server ? fmt::format(" ({})", peer_text(*silent.server)) : std::string();
-  if (unheard(silent)) return fmt::format("bench '{}' is held by another user{}", silent.bench, who);
-  const std::string run = silent.run != 0 ? fmt::format("run {}", silent.run) : std::string("what holds the lock");
-  return fmt::format("{} on bench '{}' does not answer{}", run, silent.bench, who);
-}
-
 std::string listed(const std::vector<LiveRun>& runs, const std::vector<SilentBench>& silent) {
   std::vector<std::string> lines;
   for (const LiveRun& live : runs) lines.push_back(run_text(live));
   for (const SilentBench& one : silent) lines.push_back(silent_text(one));
   return fmt::format("{}", fmt::join(lines, "; "));
-}
-
-[[noreturn]] void refuse_command(ErrorId id, const std::string& what, const std::string& name,
-                                 const std::string& remedy) {
-  throw Error(id, what, name, remedy);
 }
 
 [[noreturn]] void refuse_silent(const std::vector<SilentBench>& silent) {
@@ -258,15 +263,6 @@ LiveRun require_single_run(const Candidates& found, const LiveRunSelector& named
                  named.run != 0 ? fmt::format("no live run {} answers", named.run) : "no live run answers", place,
                  found.others.empty() ? "see `tactbench runs list`; continue an ended run with `tactbench resume RUN`"
                                       : "live: " + listed(found.others));
-}
-
-void add_named_run(CLI::App& verb, LiveRunSelector& named) {
-  verb.add_option("run", named.run, "its number; may be omitted when one run is live");
-}
-
-void use_typed_options(LiveRunSelector& named, const Session& session) {
-  named.db_given = session.typed("--db");
-  named.bench = session.typed_bench();
 }
 
 // status, watch: what a live run does. Both only read: the run answers from its last published status, and its store is

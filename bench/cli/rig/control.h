@@ -36,16 +36,9 @@ Candidates candidates(const LiveRunSelector& named, const Session& session);
 LiveRun require_single_run(const Candidates& found, const LiveRunSelector& named, const std::string& verb, bool urgent);
 // Throws Error TB-RUN-SILENT or TB-RUN-DENIED for the first of them.
 [[noreturn]] void refuse_silent(const std::vector<SilentBench>& silent);
-[[noreturn]] void refuse_command(ErrorId id, const std::string& what, const std::string& name,
-                                 const std::string& remedy);
 
 bool same_store(const std::string& one, const std::string& other);
 std::string bench_id_of(const std::string& bench);  // `bench`: a bench file, or the id itself. Throws FileError
-std::string silent_text(const SilentBench& silent);
 std::string listed(const std::vector<LiveRun>& runs, const std::vector<SilentBench>& silent = {});
-
-void add_named_run(CLI::App& verb, LiveRunSelector& named);
-// Uses --db and --bench only as typed: no file may redirect a command to another run.
-void use_typed_options(LiveRunSelector& named, const Session& session);
 
 }  // namespace tactbench::bench

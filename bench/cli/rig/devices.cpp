@@ -16,7 +16,6 @@
 #include "bench/config/config_calibration.h"
 #include "bench/guard/trip.h"
 #include "bench/instruments/check.h"
-#include "bench/instruments/scan.h"
 #include "bench/nightly/subject_trend.h"
 #include "bench/reporting/evaluation.h"
 

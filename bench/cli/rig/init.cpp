@@ -186,6 +186,24 @@ const std::vector<FileKind>& file_kinds() {
   return kinds;
 }
 
+std::string with_key_comments(const std::string& toml, const std::vector<KeyFacts>& keys) {
+  std::istringstream lines(toml);
+  std::string text, table;
+  std::set<std::string> written;
+  for (std::string line; std::getline(lines, line);) {
+    const std::string header = table_of_line(line);
+    if (!header.empty()) table = header;
+    const std::string name = (table.empty() ? "" : table + ".") + key_of_line(line);
+    const auto key = std::ranges::find(keys, name, &KeyFacts::key);
+    if (key != keys.end() && written.insert(name).second) text += comment_of(*key);
+    text += line + "\n";
+  }
+  return text;
+}
+
+namespace {
+
+// docs/reference-keys.md, in Markdown.
 std::string key_reference() {
   std::string text =
       "# Keys of the TOML files\n\n"
@@ -211,20 +229,7 @@ std::string key_reference() {
   return text;
 }
 
-std::string with_key_comments(const std::string& toml, const std::vector<KeyFacts>& keys) {
-  std::istringstream lines(toml);
-  std::string text, table;
-  std::set<std::string> written;
-  for (std::string line; std::getline(lines, line);) {
-    const std::string header = table_of_line(line);
-    if (!header.empty()) table = header;
-    const std::string name = (table.empty() ? "" : table + ".") + key_of_line(line);
-    const auto key = std::ranges::find(keys, name, &KeyFacts::key);
-    if (key != keys.end() && written.insert(name).second) text += comment_of(*key);
-    text += line + "\n";
-  }
-  return text;
-}
+}  // namespace
 
 // For tests/docs/reference.py.
 void add_key_reference(CLI::App& app, Session& /*session*/) {

@@ -19,9 +19,6 @@ struct FileKind {
 };
 const std::vector<FileKind>& file_kinds();
 
-// docs/reference-keys.md, in Markdown.
-std::string key_reference();
-
 // `toml` with the meaning of each key as a comment above its first line, also for a line that is commented out ("# key
 // = 1").
 std::string with_key_comments(const std::string& toml, const std::vector<sequences::KeyFacts>& keys);

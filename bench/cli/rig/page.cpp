@@ -21,7 +21,7 @@
 #include "bench/common/stop_request.h"
 #include "bench/config/config.h"
 #include "bench/config/config_laboratory.h"
-#include "bench/page/own_addresses.h"
+#include "bench/page/access.h"
 #include "bench/page/page_server.h"
 
 namespace tactbench::bench {

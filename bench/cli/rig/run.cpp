@@ -14,7 +14,6 @@
 #include "bench/cli/session.h"
 #include "bench/common/overrides.h"
 #include "bench/common/utc.h"
-#include "bench/config/calibration_text.h"
 #include "bench/config/config_calibration.h"
 #include "bench/guard/trip.h"
 #include "bench/rig/device_records.h"

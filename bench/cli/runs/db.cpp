@@ -1,6 +1,4 @@
-// db migrate: the schema of the store's file. db prune: prune.cpp.
-#include "bench/cli/runs/db.h"
-
+// `db migrate`, `db prune`, `runs merge`.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -9,12 +7,15 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "analysis/counted.h"
 #include "analysis/json_fields.h"
+#include "bench/cli/night/nightly.h"
 #include "bench/cli/session.h"
 #include "bench/common/utc.h"
-#include "bench/nightly/merge_stores.h"
+#include "bench/nightly/night_store.h"
 #include "db/run_store.h"
 
 namespace tactbench::bench {
@@ -175,6 +176,11 @@ void add_db_prune(CLI::App& db, Session& session) {
 
 namespace {
 
+struct MergeOptions {
+  std::vector<std::string> parts;
+  NightFiles files;  // files of the last night
+};
+
 nlohmann::ordered_json merged_json(const MergedStores& merged, const MergeOptions& options, const Session& session) {
   auto nights = nlohmann::ordered_json::array();
   for (const MergedNight& night : merged.nights) {
@@ -188,8 +194,8 @@ nlohmann::ordered_json merged_json(const MergedStores& merged, const MergeOption
           {"nights", nights}};
 }
 
-}  // namespace
-
+// Merges into session.db; prints the result and sets session.code as `nightly` does. Throws as merge_stores(), and
+// Error TB-MERGE-NIGHT when files of a night are requested and the stores contain no night.
 void merge_and_report(const MergeOptions& options, Session& session) {
   db::RunStore store = db::RunStore::open(session.db, db::Durability::kNormal);
   const MergedStores merged = merge_stores(options.parts, store);
@@ -226,6 +232,8 @@ void merge_and_report(const MergeOptions& options, Session& session) {
              analysis::counted(options.parts.size(), "store"), more(taken, "night"), more(merged.baselines, "baseline"),
              more(merged.fits, "fit"), merged.there == 0 ? "" : fmt::format("; {} there already", merged.there));
 }
+
+}  // namespace
 
 void add_run_merge(CLI::App& runs, Session& session) {
   auto options = std::make_shared<MergeOptions>();

@@ -19,13 +19,13 @@
 #include "analysis/error.h"
 #include "analysis/json_fields.h"
 #include "analysis/json_io.h"
-#include "analysis/report/document/printers.h"
+#include "analysis/report/document/document.h"
 #include "analysis/report/report_facts.h"
 #include "bench/cli/judgement_output.h"
 #include "bench/cli/session.h"
 #include "bench/common/error.h"
 #include "bench/common/utc.h"
-#include "bench/config/calibration_text.h"
+#include "bench/config/config_calibration.h"
 #include "bench/monitor/run_view.h"
 #include "bench/reporting/judgement.h"
 #include "bench/run/control/locks.h"
@@ -174,22 +174,6 @@ void RunsList::end(bool any_stored) {
     tty::print("{}\n",
                any_stored ? "no stored run matches all options" : "no runs are stored: tactbench run stores one");
   }
-}
-
-void list_runs(const RunsListOptions& options, const Session& session) {
-  const std::string since = options.since.empty() ? "" : since_utc(options.since);
-  const db::RunStore store = db::RunStore::open_read_only(session.db);
-  RunsList list(options, session);
-  for (const db::RunRecord& run : store.runs({.sensor_serial = options.sensor, .since_utc = since})) {
-    const Standing stands = standing(store, run.run);
-    if (!list.takes(run, stands.verdict)) continue;
-    // Frames are numbered from 1.
-    ListedRun listed{store.run(run.run), stands.verdict, stands.rests_on_means_alone, store.last_position(run.run),
-                     store.pruned(run.run)};
-    if (run.outcome == db::Outcome::kIncomplete) listed.lives = is_carried_out(store.path(), run.run);
-    list.add(listed, session.json ? analysis::run_json(listed.run) : nlohmann::ordered_json());
-  }
-  list.end(!store.runs().empty());
 }
 
 namespace {
@@ -345,6 +329,27 @@ void add_runs_list_options(CLI::App& verb, RunsListOptions& options) {
       ->type_name(VerdictFilter::type_name());
   verb.add_flag("--all", options.all, "include void runs");
 }
+
+namespace {
+
+// of session.db
+void list_runs(const RunsListOptions& options, const Session& session) {
+  const std::string since = options.since.empty() ? "" : since_utc(options.since);
+  const db::RunStore store = db::RunStore::open_read_only(session.db);
+  RunsList list(options, session);
+  for (const db::RunRecord& run : store.runs({.sensor_serial = options.sensor, .since_utc = since})) {
+    const Standing stands = standing(store, run.run);
+    if (!list.takes(run, stands.verdict)) continue;
+    // Frames are numbered from 1.
+    ListedRun listed{store.run(run.run), stands.verdict, stands.rests_on_means_alone, store.last_position(run.run),
+                     store.pruned(run.run)};
+    if (run.outcome == db::Outcome::kIncomplete) listed.lives = is_carried_out(store.path(), run.run);
+    list.add(listed, session.json ? analysis::run_json(listed.run) : nlohmann::ordered_json());
+  }
+  list.end(!store.runs().empty());
+}
+
+}  // namespace
 
 void add_runs(CLI::App& app, Session& session) {
   CLI::App* runs = app.add_subcommand("runs", "list, show, void, export, import, copy stored runs");

@@ -14,7 +14,7 @@
 #include <string_view>
 #include <vector>
 
-#include "analysis/judgement/verdict.h"
+#include "analysis/judgement/figure.h"
 #include "bench/cli/session.h"
 #include "bench/common/error.h"
 #include "db/record.h"
@@ -84,7 +84,6 @@ class VerdictFilter {
 };
 
 // The list of a store's runs, and everything stored about one run; shared by `runs` and `fleet runs|show`.
-
 inline constexpr const char* kNotCompleted = "not-completed";  // --outcome: any outcome other than completed
 
 struct RunsListOptions {
@@ -122,7 +121,6 @@ class RunsList {
   int left_out_ = 0, listed_ = 0;
 };
 
-void list_runs(const RunsListOptions& options, const Session& session);  // of session.db
 // `all_events`: also commands to actuators and readings.
 void show_run(std::int64_t number, const Session& session, bool all_events = false);
 

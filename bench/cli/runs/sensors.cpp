@@ -11,10 +11,10 @@
 
 #include "analysis/counted.h"
 #include "analysis/documents/run_json.h"
-#include "analysis/report/document/printers.h"
+#include "analysis/report/document/document.h"
 #include "analysis/report/report_facts.h"
 #include "bench/cli/session.h"
-#include "bench/common/screen.h"
+#include "bench/common/terminal.h"
 #include "bench/common/utc.h"
 #include "bench/common/work_progress.h"
 #include "bench/config/config.h"

@@ -11,11 +11,11 @@
 
 #include "analysis/counted.h"
 #include "analysis/json_fields.h"
-#include "analysis/report/document/printers.h"
+#include "analysis/report/document/document.h"
 #include "bench/cli/runs/source.h"
 #include "bench/cli/session.h"
 #include "bench/common/output_file.h"
-#include "bench/common/screen.h"
+#include "bench/common/terminal.h"
 #include "bench/common/utc.h"
 #include "bench/nightly/subject_trend.h"
 #include "bench/nightly/trend_pages.h"

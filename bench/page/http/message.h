@@ -52,7 +52,6 @@ std::string url_decoded(const std::string& text);
 void read_target(const std::string& target, HttpRequest& request);
 
 // Byte stream of a client's connection, plain or TLS, as the Connection reads and writes it.
-
 class Wire {
  public:
   using Done = std::function<void(bool ok, std::size_t bytes)>;

@@ -14,12 +14,10 @@
 
 #include "analysis/json_io.h"
 #include "bench/common/private_files.h"
-#include "bench/common/terminal_safe.h"
+#include "bench/common/terminal.h"
 #include "bench/run/control/locks.h"
-#include "bench/run/control/machine_name.h"
 
 namespace tactbench::bench {
-
 namespace {
 
 using WordClock = std::chrono::steady_clock;
@@ -270,6 +268,47 @@ std::string command_packet(Command command, const std::string& behalf) {
 
 std::string answer_packet(int question, const std::string& text, const std::string& behalf) {
   return with_behalf(fmt::format("answer {} {}", question, one_line(text, kMaxReplyColumns)), behalf);
+}
+
+RunConnection::RunConnection(std::string name, const std::string& words, const std::string& db)
+    : name_(std::move(name)) {
+  descriptor_ = connect_to_name(name_);
+  if (descriptor_ < 0) return;
+  const std::optional<Peer> server = peer_of(descriptor_);
+  if (!server || (!is_trusted(*server, ::geteuid()) && !carries_out_run_of(*server, db))) {
+    close();
+    return;
+  }
+  server_ = *server;
+  // A run that closes the connection immediately may have sent data before.
+  (void)::send(descriptor_, words.data(), words.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+}
+
+RunConnection::~RunConnection() { close(); }
+
+void RunConnection::close() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+  descriptor_ = -1;
+}
+
+std::optional<LiveRun> RunConnection::newest() {
+  std::optional<LiveRun> newest;
+  std::string last;
+  std::array<char, 32768> bytes{};
+  while (descriptor_ >= 0) {
+    const ssize_t size = ::recv(descriptor_, bytes.data(), bytes.size(), MSG_DONTWAIT);
+    if (size > 0) {
+      last.assign(bytes.data(), static_cast<std::size_t>(size));
+    } else if (size < 0 && errno == EINTR) {
+      continue;
+    } else if (size < 0 && errno == EAGAIN) {
+      break;
+    } else {
+      close();
+    }
+  }
+  if (!last.empty()) newest = read_answer(name_, server_, last);
+  return newest;
 }
 
 }  // namespace tactbench::bench

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -11,12 +12,12 @@
 #include <vector>
 
 #include "bench/run/control/control.h"
-#include "bench/run/control/peer.h"
+#include "bench/run/control/locks.h"
 
 namespace tactbench::bench {
 
 struct LiveRun {
-  std::string name;   // where it listens (bench/run/control/machine_name.h)
+  std::string name;   // where it listens (bench/run/control/locks.h)
   std::string bench;  // its id
   Peer server;
   RunStatus status;
@@ -65,7 +66,6 @@ std::optional<LiveRun> send_command(const std::string& name, Command command, co
 // Requests of a client of the control socket, one packet of text each: a command word with its arguments, and on a
 // second line the person for whom the client asks. `follow`: sends the run's status repeatedly. `answer ID TEXT`:
 // answers the question with that number. All other words are commands (control.h).
-
 inline constexpr std::size_t kMaxRequestBytes = 2048;  // bytes of a packet; longer text is cut
 inline constexpr std::size_t kMaxReplyColumns = 300;   // columns of an answer's text
 inline constexpr std::size_t kMaxBehalfColumns = 120;  // columns of the name for whom a client asks
@@ -83,5 +83,27 @@ struct ClientRequest {
 ClientRequest parse_client_request(std::string_view packet);
 std::string command_packet(Command command, const std::string& behalf);
 std::string answer_packet(int question, const std::string& text, const std::string& behalf);
+
+// Non-blocking connection to one live run: requests are sent immediately, answers are polled. For a process with other
+// work meanwhile (bench/page); control_client.h queries several runs and waits.
+class RunConnection {
+ public:
+  // Connects to the name of a bench and sends `words` (control_client.h). Not open if nobody listens on the name, or an
+  // untrusted process (locks.h) that does not carry out a run of the store `db` (locks.h).
+  RunConnection(std::string name, const std::string& words, const std::string& db = {});
+  ~RunConnection();
+  RunConnection(const RunConnection&) = delete;
+  RunConnection& operator=(const RunConnection&) = delete;
+  [[nodiscard]] bool open() const { return descriptor_ >= 0; }
+  [[nodiscard]] int descriptor() const { return descriptor_; }  // readable once data has arrived
+  // The newest answer received; older ones are dropped. Once the run has closed its side, the connection is closed.
+  std::optional<LiveRun> newest();
+
+ private:
+  void close();
+  std::string name_;
+  Peer server_;
+  int descriptor_ = -1;
+};
 
 }  // namespace tactbench::bench

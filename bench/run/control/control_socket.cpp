@@ -18,9 +18,9 @@
 #include "analysis/json_io.h"
 #include "bench/common/error.h"
 #include "bench/common/private_files.h"
-#include "bench/common/terminal_safe.h"
+#include "bench/common/terminal.h"
 #include "bench/run/control/control_client.h"
-#include "bench/run/control/peer.h"
+#include "bench/run/control/locks.h"
 
 namespace tactbench::bench {
 

@@ -1,7 +1,7 @@
-// The run's side of the commands: a server that listens on the name of its bench (bench/run/control/machine_name.h).
+// The run's side of the commands: a server that listens on the name of its bench (bench/run/control/locks.h).
 // That name is also the bench's lock, so only the run that holds the bench can answer there. It has its own thread: an
 // answer never waits for an instrument or for another client. Clients that may not command the run
-// (bench/run/control/peer.h) are refused. A client that follows gets the newest status, at up to 20 Hz; statuses are
+// (bench/run/control/locks.h) are refused. A client that follows gets the newest status, at up to 20 Hz; statuses are
 // skipped if it reads too slowly.
 #pragma once
 
@@ -16,8 +16,7 @@
 
 #include "bench/config/config.h"
 #include "bench/run/control/control.h"
-#include "bench/run/control/machine_name.h"
-#include "bench/run/control/peer.h"
+#include "bench/run/control/locks.h"
 
 namespace tactbench::bench {
 

@@ -1,19 +1,79 @@
-// Locks of a run: one run per bench at a time on this machine, and one process per run of a store. The next start uses
-// them to find unended runs of a store that have no living process.
+// Names and locks of this machine. One run per bench at a time, and one process per run of a store: the next start uses
+// them to find unended runs of a store that have no living process. And which user is behind a local socket.
 #pragma once
+
+#include <sys/types.h>
 
 #include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "bench/config/config.h"
-#include "bench/run/control/machine_name.h"
-#include "bench/run/control/peer.h"
 #include "db/run_store.h"
 #include "devices/clock.h"
 
 namespace tactbench::bench {
+
+// Names that only one process at a time can hold on this machine, for all users and logins: abstract sockets of the
+// kernel. Such a name needs no folder and no file, so no user can remove, replace or link it, and it disappears with
+// its process. Any user can take a free name and so block a bench; the error then names that user. One network
+// namespace is one machine: a container needs the host's (docker run --network host). TACTBENCH_RUNTIME_DIR names a
+// folder of this user, closed to all others; programs with this setting use separate names: for tests and parallel
+// simulated rigs, never for a real rig.
+class MachineName {
+ public:
+  MachineName() = default;
+  // Takes a name such as "BENCH" or "BENCH/dead-man", if it is free, and listens there for connections. Throws Error
+  // TB-BENCH-NAME if the system refuses, TB-FOLDER-UNSAFE for TACTBENCH_RUNTIME_DIR.
+  explicit MachineName(const std::string& what);
+  ~MachineName();
+  MachineName(MachineName&& other) noexcept;
+  MachineName& operator=(MachineName&&) = delete;
+  [[nodiscard]] bool held() const { return descriptor_ >= 0; }
+  [[nodiscard]] int descriptor() const { return descriptor_; }  // of the listening socket; it does not block
+  [[nodiscard]] const std::string& text() const { return text_; }
+  [[nodiscard]] std::string owner() const;  // the holder: "alice (pid 812)"
+
+ private:
+  std::string text_;
+  int descriptor_ = -1;
+};
+
+// All names held within this scope, sorted, without their common prefix: "BENCH", "BENCH/dead-man".
+std::vector<std::string> held_names();
+// The name as the system lists it: "@tactbench/BENCH".
+std::string shown_name(const std::string& what);
+
+// A socket that connects to `what` without waiting, -1 and errno: ECONNREFUSED the name is free, EAGAIN the queue of
+// its holder is full.
+int connect_to_name(const std::string& what);
+
+// The process at the other end of a local socket, as reported by the kernel. A run may be commanded by root, the run's
+// own user, and members of the group `tactbench`. The same users are trusted when they answer as a run; root trusts any
+// other process only if it carries out a run of the store that it names (locks.h).
+inline constexpr const char* kGroupName = "tactbench";
+
+// The group's number; none: the machine has no such group.
+std::optional<gid_t> commanding_group();
+
+struct Peer {
+  pid_t process = 0;
+  uid_t user = 0;
+  bool in_group = false;
+};
+
+// The peer of a connected socket: the client at the time it connected, or the server at the time it began to listen.
+// None: not known.
+std::optional<Peer> peer_of(int descriptor, std::optional<gid_t> group = commanding_group());
+
+// Whether a process of user `own` may accept commands from the peer, or trust its answers.
+bool is_trusted(const Peer& peer, uid_t own);
+
+// "alice (pid 812)"; "user 1003 (pid 812)" if /etc/passwd does not have the user: name servers may be slow and are not
+// queried.
+std::string peer_text(const Peer& peer);
 
 // Name held by a bench's dead-man as long as it lives, so that the dead-man of a killed run never vents the chamber of
 // the next run. Waits at most `longest` (real time) for it; if it is not held, another dead-man is still active.

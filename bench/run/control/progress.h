@@ -1,8 +1,10 @@
-// The progress line on standard error: on a terminal one line renewed at 10 Hz, otherwise (or with CI set) a plain line
-// every 10 s and at the start of a phase, if a second has passed since the previous line.
+// How a run reports without being asked: the progress line on standard error (on a terminal one line renewed at 10 Hz,
+// otherwise, or with CI set, a plain line every 10 s and at the start of a phase, if a second has passed since the
+// previous line), and the user's command for events.
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <string>
 
 #include "analysis/pressure_unit.h"
@@ -50,6 +52,20 @@ class Progress {
   Pace pace_;
   std::string phase_;  // shown last
   bool open_ = false;
+};
+
+// --on-event: runs the user's command when a run is done, has failed or waits for a person.
+class Notify {
+ public:
+  Notify() = default;
+  explicit Notify(std::string command) : command_(std::move(command)) {}
+  // Starts `sh -c COMMAND` with TACTBENCH_EVENT (done, failed, waiting), TACTBENCH_RUN and TACTBENCH_REASON in its
+  // environment and does not wait for it. A command that cannot be started is reported on standard error and changes
+  // nothing.
+  void tell(const std::string& event, std::int64_t run, const std::string& reason) const;
+
+ private:
+  std::string command_;
 };
 
 }  // namespace tactbench::bench

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "analysis/json_fields.h"
-#include "bench/common/terminal_safe.h"
+#include "bench/common/terminal.h"
 
 namespace tactbench::bench {
 

@@ -1,4 +1,4 @@
-// The status that a live run reports. The sequencer's thread fills it in (status_board.h), Control keeps the newest,
+// The status that a live run reports. The sequencer's thread fills it in (control.h), Control keeps the newest,
 // the control socket sends it as JSON, and a client reads it back.
 #pragma once
 

@@ -92,7 +92,6 @@ class DaqmxTask {
 
 // The C interface of NI-DAQmx as far as tactbench uses it: own prototypes (x86-64 Linux: int32 is int, a task handle
 // void*, bool32 unsigned, float64 double), the values of its constants, and the errors named here.
-
 struct DaqmxCalls {
   using Task = void*;
   int (*GetSysDevNames)(char* names, std::uint32_t size);

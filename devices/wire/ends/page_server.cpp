@@ -8,7 +8,7 @@
 #include <cerrno>
 #include <utility>
 
-#include "devices/wire/ends/loopback.h"
+#include "devices/wire/ends/stream_end.h"
 
 namespace tactbench::devices {
 namespace {

@@ -1,14 +1,18 @@
 #include "devices/wire/ends/stream_end.h"
 
 #include <arpa/inet.h>
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
+#include <stdlib.h>
 #include <sys/socket.h>
 #include <sys/un.h>
+#include <termios.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <charconv>
 #include <cstring>
@@ -130,6 +134,59 @@ void StreamEnd::hang_up() {
   if (listener_ >= 0 && listen_.starts_with(kUnixForm)) ::unlink(listen_.c_str() + std::strlen(kUnixForm));
   // Closes the listener first: a client that sees the connection break must not get a new one.
   close_all({&listener_, &client_});
+}
+
+PseudoTerminal::PseudoTerminal() {
+  master_ = ::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  std::array<char, 128> name{};
+  termios settings{};
+  const bool named = master_ >= 0 && ::grantpt(master_) == 0 && ::unlockpt(master_) == 0 &&
+                     ::ptsname_r(master_, name.data(), name.size()) == 0;
+  // Without an open slave the master reports a hang-up until the first client comes.
+  if (named) slave_ = ::open(name.data(), O_RDWR | O_NOCTTY | O_CLOEXEC);
+  bool raw = slave_ >= 0 && ::tcgetattr(slave_, &settings) == 0;
+  if (raw) {
+    ::cfmakeraw(&settings);
+    raw = ::tcsetattr(slave_, TCSANOW, &settings) == 0;
+  }
+  if (!raw) {
+    const int error = errno;
+    close_both();
+    throw Fault("TB-SIM-LISTEN", "pseudo-terminal", fmt::format("making a pseudo-terminal: {}", std::strerror(error)),
+                "Check that /dev/pts is mounted and that the system has pseudo-terminals left.");
+  }
+  path_ = name.data();
+}
+
+void PseudoTerminal::hang_up() {
+  if (master_ >= 0) ::close(std::exchange(master_, -1));
+}
+
+void PseudoTerminal::close_both() {
+  for (int* descriptor : {&slave_, &master_}) {
+    if (*descriptor >= 0) ::close(std::exchange(*descriptor, -1));
+  }
+}
+
+BoundSocket bind_loopback(int type, int port, const std::string& device) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  auto* general = reinterpret_cast<sockaddr*>(&address);
+  const int socket = ::socket(AF_INET, type | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  const int one = 1;
+  // A page's port is free again at once after a restart, although old connections linger.
+  const bool ready = socket >= 0 && port >= 0 && port <= 65535 &&
+                     (type != SOCK_STREAM || ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &one, sizeof one) == 0) &&
+                     ::bind(socket, general, size) == 0 && (type != SOCK_STREAM || ::listen(socket, 8) == 0) &&
+                     ::getsockname(socket, general, &size) == 0;
+  if (ready) return {socket, ntohs(address.sin_port)};
+  const int error = errno;
+  if (socket >= 0) ::close(socket);
+  throw Fault("TB-SIM-LISTEN", device, fmt::format("listening on 127.0.0.1:{}: {}", port, std::strerror(error)),
+              "Choose another port, or 0 to let the system choose.");
 }
 
 }  // namespace tactbench::devices

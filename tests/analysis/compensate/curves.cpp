@@ -2,9 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "analysis/compensate/elam_curve.h"
-#include "analysis/compensate/preisach_curve.h"
-#include "analysis/compensate/state_curve.h"
+#include "analysis/compensate/curves.h"
 #include "analysis/compensate/turning.h"
 #include "tests/analysis/compensate/kinds.h"
 

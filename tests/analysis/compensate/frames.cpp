@@ -11,7 +11,7 @@
 
 #include "analysis/compensate/compensator_c.h"
 #include "analysis/compensate/document.h"
-#include "analysis/identify/compensators.h"
+#include "analysis/identify/sensor_model.h"
 #include "analysis/identify/stored/model_document.h"
 #include "tests/analysis/compensate/kinds.h"
 #include "tests/analysis/identify/refusals.h"

@@ -9,7 +9,7 @@
 
 #include "analysis/compensate/compensator.h"
 #include "analysis/identify/sensor_model.h"
-#include "analysis/models/elam_hysteresis.h"
+#include "analysis/models/elam.h"
 #include "analysis/models/linearised.h"
 #include "tests/analysis/support/dynamic_plant.h"
 #include "tests/analysis/support/synthetic.h"

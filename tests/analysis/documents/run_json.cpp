@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "analysis/documents/evaluation_json.h"
 #include "analysis/report/overview/overview.h"
 #include "tests/analysis/report/report_example.h"
 #include "tests/db/store_example.h"

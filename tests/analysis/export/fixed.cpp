@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "analysis/export/fixed_stream.h"
+#include "analysis/export/quantise.h"
 #include "analysis/export/write_export.h"
-#include "analysis/identify/compensators.h"
+#include "analysis/identify/sensor_model.h"
 #include "tests/analysis/compensate/kinds.h"
 
 using namespace synthetic;

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/export/fixed_stream.h"
+#include "analysis/export/quantise.h"
 #include "tests/analysis/compensate/kinds.h"
 
 using namespace synthetic;

@@ -2,7 +2,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "analysis/identify/compensators.h"
 #include "analysis/identify/histories.h"
 #include "analysis/identify/residuals.h"
 #include "analysis/identify/sensor_model.h"

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "analysis/compensate/document.h"
-#include "analysis/identify/compensators.h"
+#include "analysis/identify/sensor_model.h"
 #include "analysis/models/monotone.h"
 #include "tests/analysis/identify/refusals.h"
 

@@ -315,7 +315,6 @@ TEST_CASE("judged value: is read back from store and JSON unchanged, and unknown
                                      R"({"kind": "span", "low_psi": 4.0, "high_psi": 40.0, "direction": "both",
                                          "share": 0.95})"));
   CHECK(display_text(Scope::level(40, Direction::kDown), PressureUnit::kKilopascal) == "275.8 kPa decreasing");
-  CHECK(in_both_units(Scope::level(40, Direction::kUp), PressureUnit::kPsi) == "40 psi (275.8 kPa) increasing");
 }
 
 }  // namespace judging

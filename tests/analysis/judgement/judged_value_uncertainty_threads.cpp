@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "analysis/judgement/measured_figures.h"
+#include "analysis/judgement/figure.h"
 #include "tests/analysis/support/straight_array.h"
 
 using namespace tactbench;

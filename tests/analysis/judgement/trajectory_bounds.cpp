@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "analysis/judgement/trajectory.h"
+#include "analysis/judgement/judgement.h"
 #include "analysis/statistics/numbers/moments.h"
 
 using namespace tactbench::analysis;

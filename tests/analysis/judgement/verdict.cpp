@@ -1,5 +1,5 @@
 // The ladder of verdicts, and the decision rules at the limit and U to either side of it.
-#include "analysis/judgement/verdict.h"
+#include "analysis/judgement/figure.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

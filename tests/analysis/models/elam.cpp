@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "analysis/models/elam.h"
-#include "analysis/models/elam_hysteresis.h"
 #include "analysis/models/model_json.h"
 #include "tests/analysis/support/fit_samples.h"
 #include "tests/analysis/support/synthetic.h"

@@ -1,4 +1,4 @@
-#include "analysis/models/elam_hysteresis.h"
+#include "analysis/models/elam.h"
 
 #include <bit>
 #include <catch2/catch.hpp>

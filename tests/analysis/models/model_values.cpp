@@ -4,7 +4,6 @@
 #include <memory>
 #include <vector>
 
-#include "analysis/models/divider.h"
 #include "analysis/models/linearised.h"
 #include "tests/analysis/support/models.h"
 

@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "analysis/models/elam_hysteresis.h"
+#include "analysis/models/elam.h"
 #include "analysis/models/gpi.h"
 #include "analysis/models/linearised.h"
 #include "analysis/models/monotone.h"

@@ -6,7 +6,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "analysis/models/elam_hysteresis.h"
+#include "analysis/models/elam.h"
 #include "analysis/models/invert.h"
 #include "analysis/models/model_json.h"
 #include "analysis/models/play_operators.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/models/elam_hysteresis.h"
+#include "analysis/models/elam.h"
 #include "analysis/models/mpi.h"
 #include "analysis/models/poly.h"
 #include "tests/analysis/support/alike.h"

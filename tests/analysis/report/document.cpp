@@ -6,9 +6,7 @@
 #include <limits>
 #include <sstream>
 
-#include "analysis/report/document/printers.h"
 #include "analysis/report/page/chart.h"
-#include "analysis/report/page/taxel_map.h"
 #include "analysis/text_width.h"
 
 using namespace tactbench::analysis;

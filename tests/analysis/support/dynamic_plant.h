@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "analysis/identify/fit_models.h"
-#include "analysis/models/divider.h"
 #include "analysis/models/dynamics.h"
+#include "analysis/models/linearised.h"
 #include "tests/analysis/support/models.h"
 
 namespace synthetic {

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "analysis/identify/sensor_model.h"
-#include "analysis/models/elam_hysteresis.h"
+#include "analysis/models/elam.h"
 
 namespace tactbench::analysis::by_hand {
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "analysis/report/document/printers.h"
+#include "analysis/report/document/document.h"
 #include "bench/cli/judgement_output.h"
 #include "bench/cli/session.h"
 #include "bench/common/error.h"

@@ -13,7 +13,6 @@
 
 #include "bench/common/error.h"
 #include "bench/common/output_file.h"
-#include "bench/common/signed_report_number.h"
 #include "db/run_store.h"
 #include "tests/bench/cli/verb_here.h"
 #include "tests/bench/common/file_mode.h"

@@ -17,9 +17,8 @@
 
 #include "analysis/workers.h"
 #include "bench/common/error.h"
-#include "bench/common/file_text.h"
-#include "bench/common/screen.h"
-#include "bench/common/terminal_safe.h"
+#include "bench/common/private_files.h"
+#include "bench/common/terminal.h"
 #include "bench/common/work_progress.h"
 #include "tests/bench/cli/verb_here.h"
 #include "tests/support/process.h"

@@ -1,5 +1,5 @@
 // How the sequencer evaluates its dead-man's answers. The processes themselves: dead_man_watched_realtime.cpp.
-#include "bench/guard/dead_man_reports.h"
+#include "bench/guard/dead_man_process.h"
 
 #include <catch2/catch.hpp>
 

@@ -5,11 +5,10 @@
 #include <cmath>
 
 #include "bench/common/error.h"
-#include "bench/config/calibration_text.h"
+#include "bench/config/config_calibration.h"
 #include "bench/instruments/check.h"
+#include "bench/instruments/live.h"
 #include "bench/instruments/reference_calibration.h"
-#include "bench/instruments/scan.h"
-#include "bench/instruments/watch.h"
 #include "bench/rig/rig.h"
 #include "bench/simulation/plant.h"
 #include "devices/device.h"

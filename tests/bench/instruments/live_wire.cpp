@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/compensate/frame_compensator.h"
+#include "analysis/compensate/compensator.h"
 #include "bench/instruments/live.h"
 #include "bench/reporting/evaluation.h"
 #include "devices/device.h"

@@ -4,8 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "bench/common/screen.h"
-#include "bench/monitor/array_view.h"
+#include "bench/common/terminal.h"
 #include "bench/monitor/heat_map.h"
 #include "bench/monitor/run_view.h"
 #include "tests/db/store_example.h"

@@ -1,5 +1,5 @@
 // `watch` of a run whose answers the test gives one by one: what it prints of them.
-#include "bench/monitor/watch_run.h"
+#include "bench/monitor/run_view.h"
 
 #include <poll.h>
 #include <sys/socket.h>
@@ -12,7 +12,6 @@
 #include <thread>
 
 #include "bench/run/control/locks.h"
-#include "bench/run/control/machine_name.h"
 #include "tests/bench/cli/verb_here.h"
 #include "tests/bench/monitor/status_example.h"
 #include "tests/db/store_example.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "bench/common/error.h"
-#include "bench/nightly/merge_stores.h"
+#include "bench/nightly/night_store.h"
 #include "db/sqlite.h"
 #include "tests/bench/nightly/part_store.h"
 

@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "bench/nightly/scenario.h"
 #include "bench/nightly/suite.h"
 #include "db/run_store.h"
 #include "tests/support/process.h"

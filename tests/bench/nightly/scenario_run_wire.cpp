@@ -3,7 +3,6 @@
 #include <string>
 #include <vector>
 
-#include "bench/nightly/scenario.h"
 #include "bench/nightly/suite.h"
 #include "db/run_store.h"
 #include "tests/support/process.h"

@@ -9,7 +9,6 @@
 
 #include "bench/common/error.h"
 #include "bench/nightly/night_store.h"
-#include "bench/nightly/scenario.h"
 #include "bench/nightly/suite.h"
 #include "db/run_store.h"
 #include "db/sqlite.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/identify/compensators.h"
+#include "analysis/identify/sensor_model.h"
 #include "analysis/identify/stored/model_document.h"
 #include "bench/page/frames.h"
 #include "bench/reporting/evaluation.h"

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "bench/run/control/run_connection.h"
+#include "bench/run/control/control_client.h"
 #include "tests/bench/page/raw_http.h"
 #include "tests/support/endless_run.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/page/own_addresses.h"
+#include "bench/page/access.h"
 #include "tests/bench/cli/verb_here.h"
 #include "tests/bench/page/served_page.h"
 #include "tests/support/endless_run.h"

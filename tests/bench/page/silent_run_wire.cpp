@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "bench/run/control/machine_name.h"
+#include "bench/run/control/locks.h"
 #include "tests/bench/page/served_page.h"
 #include "tests/support/endless_run.h"
 

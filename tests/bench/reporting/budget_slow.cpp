@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "analysis/identify/compensators.h"
 #include "analysis/identify/dynamic/dynamic_fit.h"
+#include "analysis/identify/sensor_model.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/statistics/figures/levels.h"
 #include "analysis/statistics/uncertainty/uncertainty.h"

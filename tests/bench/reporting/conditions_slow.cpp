@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "analysis/identify/stored/model_document.h"
-#include "analysis/judgement/measured_figures.h"
+#include "analysis/judgement/figure.h"
 #include "analysis/statistics/figures/levels.h"
 #include "analysis/statistics/uncertainty/uncertainty.h"
 #include "bench/reporting/evaluation.h"

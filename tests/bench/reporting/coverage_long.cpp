@@ -4,7 +4,6 @@
 #include <cmath>
 #include <string>
 
-#include "analysis/identify/compensators.h"
 #include "analysis/identify/sensor_model.h"
 #include "tests/benchmarks/study/coverage.h"
 #include "tests/benchmarks/study/simulated_run.h"

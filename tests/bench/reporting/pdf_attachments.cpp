@@ -1,5 +1,5 @@
 // Files attached to a PDF: found by a PDF's reader, byte for byte, with what they are to it; the same bytes each time.
-#include "bench/reporting/pdf_attachments.h"
+#include "bench/reporting/report_pdf.h"
 
 #include <qpdf/qpdf-c.h>
 

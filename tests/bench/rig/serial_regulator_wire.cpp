@@ -7,7 +7,7 @@
 
 #include "bench/instruments/check.h"
 #include "bench/pressure/pressure_kinds.h"
-#include "bench/safety/fail_safe.h"
+#include "bench/safety/safe_state.h"
 #include "bench/simulation/plant.h"
 #include "tests/bench/run/finished_run.h"
 #include "tests/devices/fault_of.h"

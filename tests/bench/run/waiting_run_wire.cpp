@@ -10,7 +10,6 @@
 #include <thread>
 
 #include "bench/run/control/control_client.h"
-#include "bench/run/control/run_connection.h"
 #include "bench/run/time_estimate.h"
 #include "db/sqlite.h"
 #include "tests/bench/cli/verb_here.h"

@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "bench/guard/dead_man_reports.h"
+#include "bench/guard/dead_man_process.h"
 #include "bench/guard/trip.h"
 #include "devices/wire/descriptor_channel.h"
 #include "tests/bench/cli/verb_here.h"

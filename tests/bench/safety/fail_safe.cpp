@@ -1,12 +1,11 @@
 // The fail-safe layers of a bench, exclusive use of a line, and the unloaded frame.
-#include "bench/safety/fail_safe.h"
+#include "bench/safety/safe_state.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "bench/config/config.h"
 #include "bench/guard/dead_man_process.h"
-#include "bench/safety/safe_state.h"
 
 using namespace tactbench;
 using namespace tactbench::bench;

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <random>
 
-#include "analysis/compensate/frame_compensator.h"
-#include "analysis/models/elam_hysteresis.h"
+#include "analysis/compensate/compensator.h"
+#include "analysis/models/elam.h"
 #include "analysis/models/linearised.h"
 #include "analysis/models/preisach.h"
 #include "tests/benchmarks/speed/ratios.h"

@@ -21,7 +21,7 @@
 #include "devices/pressure/analog_module.h"
 #include "devices/pressure/simulated_module.h"
 #include "devices/stage/simulated_chain.h"
-#include "devices/wire/serial_link.h"
+#include "devices/wire/byte_stream.h"
 #include "tests/benchmarks/speed/ratios.h"
 #include "tests/benchmarks/study/simulated_run.h"
 

@@ -13,8 +13,8 @@
 #include <stdexcept>
 
 #include "analysis/error.h"
-#include "analysis/identify/compensators.h"
 #include "analysis/identify/dynamic/dynamic_fit.h"
+#include "analysis/identify/sensor_model.h"
 #include "analysis/workers.h"
 #include "bench/cli/calibrate/calibration.h"
 #include "bench/simulation/counter_noise.h"

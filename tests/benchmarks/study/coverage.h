@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/statistics/uncertainty/history_kind.h"
+#include "analysis/statistics/uncertainty/empirical_errors.h"
 #include "bench/config/plant_options.h"
 
 namespace tactbench::bench {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "analysis/dataset.h"
-#include "analysis/export/fixed_stream.h"
-#include "analysis/identify/compensators.h"
+#include "analysis/export/quantise.h"
+#include "analysis/identify/sensor_model.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/scanner_scale.h"
 #include "bench/simulation/counter_noise.h"

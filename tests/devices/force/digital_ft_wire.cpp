@@ -4,7 +4,7 @@
 #include <mutex>
 
 #include "devices/force/simulated_digital_ft.h"
-#include "devices/wire/stream_link.h"
+#include "devices/wire/byte_stream.h"
 #include "tests/devices/force/invented_digital.h"
 #include "tests/devices/test_chamber.h"
 

@@ -8,7 +8,7 @@
 #include <mutex>
 
 #include "devices/force/simulated_net_ft.h"
-#include "devices/wire/ends/loopback.h"
+#include "devices/wire/ends/stream_end.h"
 #include "tests/devices/test_chamber.h"
 
 using namespace tactbench::devices;

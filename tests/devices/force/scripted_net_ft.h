@@ -19,7 +19,7 @@
 #include "devices/force/net_ft.h"
 #include "devices/force/rdt_record.h"
 #include "devices/wire/ends/end_activity.h"
-#include "devices/wire/ends/loopback.h"
+#include "devices/wire/ends/stream_end.h"
 #include "tests/devices/test_chamber.h"
 #include "tests/devices/timeouts.h"
 

@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "devices/wire/stream_link.h"
+#include "devices/wire/byte_stream.h"
 #include "tests/devices/force/invented_digital.h"
 #include "tests/devices/test_chamber.h"
 #include "tests/devices/timeouts.h"

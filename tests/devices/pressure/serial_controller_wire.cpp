@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "devices/pressure/simulated_controller.h"
-#include "devices/wire/stream_link.h"
+#include "devices/wire/byte_stream.h"
 #include "tests/devices/actuator_contract.h"
 #include "tests/devices/test_chamber.h"
 #include "tests/devices/timeouts.h"

@@ -9,7 +9,7 @@
 
 #include "devices/stage/simulated_chain.h"
 #include "devices/stage/zaber_stage.h"
-#include "devices/wire/serial_link.h"
+#include "devices/wire/byte_stream.h"
 #include "tests/devices/timeouts.h"
 
 namespace tactbench::devices {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "devices/tactile/frame_protocol.h"
-#include "devices/wire/stream_link.h"
+#include "devices/wire/byte_stream.h"
 #include "tests/devices/fault_of.h"
 #include "tests/devices/timeouts.h"
 

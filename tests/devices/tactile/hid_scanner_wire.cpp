@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "devices/tactile/simulated_scanner.h"
-#include "devices/wire/packet_link.h"
+#include "devices/wire/report_link.h"
 #include "tests/devices/test_chamber.h"
 #include "tests/devices/timeouts.h"
 

@@ -10,7 +10,7 @@
 
 #include "devices/tactile/hid_scanner.h"
 #include "devices/tactile/simulated_scanner.h"
-#include "devices/wire/packet_link.h"
+#include "devices/wire/report_link.h"
 #include "tests/devices/fault_at.h"
 #include "tests/devices/packet_listener.h"
 #include "tests/devices/tactile/counted_array.h"

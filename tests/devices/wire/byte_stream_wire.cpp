@@ -20,11 +20,8 @@
 #include <thread>
 #include <vector>
 
-#include "devices/wire/ends/loopback.h"
-#include "devices/wire/ends/pseudo_terminal.h"
+#include "devices/wire/byte_stream.h"
 #include "devices/wire/ends/stream_end.h"
-#include "devices/wire/serial_link.h"
-#include "devices/wire/stream_link.h"
 #include "tests/devices/fault_of.h"
 #include "tests/devices/full_queue.h"
 #include "tests/devices/packet_listener.h"

@@ -17,11 +17,11 @@
 #include <utility>
 #include <vector>
 
+#include "devices/wire/byte_stream.h"
 #include "devices/wire/descriptor_channel.h"
 #include "devices/wire/ends/end_activity.h"
-#include "devices/wire/ends/loopback.h"
-#include "devices/wire/packet_link.h"
-#include "devices/wire/stream_link.h"
+#include "devices/wire/ends/stream_end.h"
+#include "devices/wire/report_link.h"
 #include "devices/wire/udp_link.h"
 #include "tests/devices/fault_of.h"
 #include "tests/devices/packet_listener.h"

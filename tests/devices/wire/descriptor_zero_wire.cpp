@@ -14,14 +14,12 @@
 #include <vector>
 
 #include "devices/pressure/simulated_module.h"
+#include "devices/wire/byte_stream.h"
 #include "devices/wire/descriptor_channel.h"
-#include "devices/wire/ends/loopback.h"
 #include "devices/wire/ends/page_server.h"
-#include "devices/wire/ends/pseudo_terminal.h"
 #include "devices/wire/ends/stream_end.h"
 #include "devices/wire/http_get.h"
-#include "devices/wire/packet_link.h"
-#include "devices/wire/stream_link.h"
+#include "devices/wire/report_link.h"
 #include "devices/wire/udp_link.h"
 #include "tests/devices/fault_of.h"
 #include "tests/devices/packet_listener.h"

@@ -1,4 +1,4 @@
-#include "devices/wire/hid_link.h"
+#include "devices/wire/report_link.h"
 
 #include <catch2/catch.hpp>
 

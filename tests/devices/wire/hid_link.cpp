@@ -1,6 +1,6 @@
 // HID devices over a hidapi of the tests' own (fake_hidapi.h): what is asked of it, and what each of its failures is
 // told as.
-#include "devices/wire/hid_link.h"
+#include "devices/wire/report_link.h"
 
 #include <array>
 #include <catch2/catch.hpp>

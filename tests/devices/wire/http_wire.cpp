@@ -15,10 +15,10 @@
 #include <thread>
 #include <vector>
 
-#include "devices/wire/ends/loopback.h"
+#include "devices/wire/byte_stream.h"
 #include "devices/wire/ends/page_server.h"
+#include "devices/wire/ends/stream_end.h"
 #include "devices/wire/http_get.h"
-#include "devices/wire/stream_link.h"
 #include "tests/devices/fault_of.h"
 #include "tests/devices/timeouts.h"
 

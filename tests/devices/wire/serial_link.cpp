@@ -1,6 +1,6 @@
 // Serial ports over a libserialport of the tests' own (fake_serialport.h): what is set, what each failing call is told
 // as, and that nothing stays open.
-#include "devices/wire/serial_link.h"
+#include "devices/wire/byte_stream.h"
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -14,7 +14,7 @@
 #include <functional>
 #include <vector>
 
-#include "devices/wire/ends/pseudo_terminal.h"
+#include "devices/wire/ends/stream_end.h"
 #include "tests/devices/fault_of.h"
 #include "tests/devices/timeouts.h"
 #include "tests/devices/wire/fake_serialport.h"

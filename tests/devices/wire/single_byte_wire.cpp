@@ -11,10 +11,9 @@
 #include <memory>
 #include <string>
 
+#include "devices/wire/byte_stream.h"
 #include "devices/wire/descriptor_channel.h"
-#include "devices/wire/ends/loopback.h"
 #include "devices/wire/ends/stream_end.h"
-#include "devices/wire/stream_link.h"
 #include "devices/wire/udp_link.h"
 #include "tests/devices/fault_of.h"
 #include "tests/support/process.h"

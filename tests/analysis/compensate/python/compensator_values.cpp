@@ -5,7 +5,7 @@
 #include <fstream>
 #include <utility>
 
-#include "analysis/identify/compensators.h"
+#include "analysis/identify/sensor_model.h"
 #include "analysis/identify/stored/model_document.h"
 #include "tests/analysis/compensate/kinds.h"
 

@@ -3,9 +3,9 @@
 #include <catch2/catch.hpp>
 #include <numeric>
 
-#include "analysis/identify/compensators.h"
 #include "analysis/identify/dynamic/dynamic_fit.h"
 #include "analysis/identify/dynamic/dynamics_search.h"
+#include "analysis/identify/sensor_model.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/models/linearised.h"
 #include "analysis/models/preisach.h"

@@ -7,9 +7,9 @@
 #include <tuple>
 #include <vector>
 
-#include "analysis/identify/compensators.h"
 #include "analysis/identify/dynamic/dynamic_fit.h"
 #include "analysis/identify/residuals.h"
+#include "analysis/identify/sensor_model.h"
 #include "analysis/models/linearised.h"
 #include "analysis/models/preisach.h"
 #include "tests/analysis/support/creeping_film.h"

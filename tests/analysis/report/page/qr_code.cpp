@@ -1,5 +1,5 @@
 // The QR code of page 1: its modules as rectangles. That a reader reads it: tests/docs/certificate.py.
-#include "analysis/report/page/qr_code.h"
+#include "analysis/report/page/chart.h"
 
 #include <catch2/catch.hpp>
 #include <regex>

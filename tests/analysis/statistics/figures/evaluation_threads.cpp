@@ -6,7 +6,7 @@
 #include "analysis/judgement/mpe.h"
 #include "analysis/report/results.h"
 #include "analysis/statistics/figures/evaluation.h"
-#include "analysis/statistics/figures/sweep_errors.h"
+#include "analysis/statistics/figures/reading_errors.h"
 #include "analysis/statistics/studies/studies.h"
 #include "tests/analysis/support/alike.h"
 #include "tests/analysis/support/effect_runs.h"

@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "analysis/statistics/figures/history_errors.h"
+#include "analysis/statistics/figures/reading_errors.h"
 #include "analysis/statistics/figures/time_effects.h"
 #include "analysis/statistics/numbers/moments.h"
 #include "tests/analysis/support/straight_array.h"

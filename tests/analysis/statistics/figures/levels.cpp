@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "analysis/statistics/figures/levels.h"
-#include "analysis/statistics/figures/sweep_errors.h"
+#include "analysis/statistics/figures/reading_errors.h"
 #include "tests/analysis/support/alike.h"
 #include "tests/analysis/support/straight_array.h"
 

@@ -5,7 +5,6 @@
 #include <span>
 #include <vector>
 
-#include "analysis/statistics/numbers/difference_noise.h"
 #include "analysis/statistics/numbers/moments.h"
 
 using namespace tactbench::analysis;

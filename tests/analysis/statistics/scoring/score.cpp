@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "analysis/identify/compensators.h"
+#include "analysis/identify/sensor_model.h"
 #include "analysis/models/monotone.h"
 #include "analysis/statistics/scoring/score.h"
 #include "tests/analysis/support/creeping_film.h"

@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 #include <string>
 
-#include "analysis/statistics/uncertainty/history_kind.h"
+#include "analysis/statistics/uncertainty/empirical_errors.h"
 #include "tests/analysis/support/straight_array.h"
 
 using namespace straight_array;

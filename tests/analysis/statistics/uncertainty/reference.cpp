@@ -5,8 +5,8 @@
 #include <string>
 
 #include "analysis/statistics/numbers/moments.h"
+#include "analysis/statistics/uncertainty/instruments.h"
 #include "analysis/statistics/uncertainty/reference_uncertainty.h"
-#include "analysis/statistics/uncertainty/temperature_effect.h"
 #include "analysis/statistics/uncertainty/uncertainty.h"
 #include "tests/analysis/support/straight_array.h"
 

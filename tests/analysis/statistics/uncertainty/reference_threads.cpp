@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "analysis/error.h"
-#include "analysis/judgement/measured_figures.h"
-#include "analysis/statistics/uncertainty/temperature_effect.h"
+#include "analysis/judgement/figure.h"
+#include "analysis/statistics/uncertainty/instruments.h"
 #include "analysis/statistics/uncertainty/uncertainty.h"
 #include "tests/analysis/support/effect_runs.h"
 #include "tests/analysis/support/straight_array.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "analysis/compensate/elam_curve.h"
+#include "analysis/compensate/curves.h"
 #include "analysis/compensate/turning.h"
 #include "tests/analysis/support/effect_runs.h"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-#include "analysis/judgement/measured_figures.h"
+#include "analysis/judgement/figure.h"
 #include "tests/analysis/support/uncertainty_example.h"
 
 using namespace tactbench;

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "analysis/compensate/frame_compensator.h"
+#include "analysis/compensate/compensator.h"
 #include "bench/cli/models/live.h"
 
 using namespace tactbench;

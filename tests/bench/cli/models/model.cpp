@@ -12,7 +12,7 @@
 
 #include "analysis/error.h"
 #include "analysis/models/linearised.h"
-#include "analysis/report/document/printers.h"
+#include "analysis/report/document/document.h"
 #include "analysis/text_width.h"
 #include "bench/cli/models/model_table.h"
 #include "bench/cli/runs/source.h"

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "analysis/identify/compensators.h"
+#include "analysis/identify/sensor_model.h"
 #include "tests/analysis/support/creeping_film.h"
 #include "tests/bench/cli/models/known_model.h"
 #include "tests/bench/cli/models/models_here.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bench/common/error.h"
-#include "bench/run/control/machine_name.h"
+#include "bench/run/control/locks.h"
 #include "tests/support/process.h"
 #include "tests/support/refusal.h"
 

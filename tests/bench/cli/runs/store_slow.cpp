@@ -4,7 +4,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "analysis/judgement/verdict.h"
+#include "analysis/judgement/figure.h"
 #include "db/run_store.h"
 #include "db/sqlite.h"
 #include "tests/bench/cli/check_refusal.h"

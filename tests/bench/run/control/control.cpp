@@ -10,11 +10,10 @@
 
 #include "bench/run/control/control.h"
 #include "bench/run/control/control_client.h"
-#include "bench/run/control/peer.h"
+#include "bench/run/control/locks.h"
 #include "bench/run/control/progress.h"
 #include "bench/run/control/run_status.h"
-#include "bench/run/control/status_board.h"
-#include "bench/run/phase_text.h"
+#include "bench/run/end_reason.h"
 #include "tests/bench/monitor/status_example.h"
 
 using namespace tactbench;

@@ -12,7 +12,7 @@
 
 #include "bench/guard/trip.h"
 #include "bench/run/control/control_client.h"
-#include "bench/run/control/machine_name.h"
+#include "bench/run/control/locks.h"
 #include "tests/bench/run/kill_record.h"
 #include "tests/support/endless_run.h"
 #include "tests/support/live_runs.h"

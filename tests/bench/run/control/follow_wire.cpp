@@ -12,7 +12,6 @@
 #include <thread>
 
 #include "bench/run/control/control_client.h"
-#include "bench/run/control/run_connection.h"
 #include "tests/support/answering_run.h"
 #include "tests/support/endless_run.h"
 

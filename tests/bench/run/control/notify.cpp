@@ -1,5 +1,5 @@
 // Commands that are told of a run's events.
-#include "bench/run/control/notify.h"
+#include "bench/run/control/progress.h"
 
 #include <catch2/catch.hpp>
 #include <filesystem>

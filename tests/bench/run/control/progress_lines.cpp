@@ -9,10 +9,9 @@
 #include <optional>
 #include <string>
 
-#include "bench/common/terminal_safe.h"
+#include "bench/common/terminal.h"
 #include "bench/run/control/control.h"
 #include "bench/run/control/progress.h"
-#include "bench/run/control/status_board.h"
 #include "tests/bench/cli/verb_here.h"
 #include "tests/support/variable.h"
 

@@ -7,7 +7,7 @@
 #include <catch2/catch.hpp>
 #include <thread>
 
-#include "bench/run/control/machine_name.h"
+#include "bench/run/control/locks.h"
 #include "tests/bench/page/served_page.h"
 #include "tests/bench/run/control/apart.h"
 #include "tests/support/endless_run.h"

@@ -1,5 +1,5 @@
 // Refusals of a press plan before any motion: each limit at its edge and beyond it.
-#include "bench/run/press/press_preflight.h"
+#include "bench/run/press/press.h"
 
 #include <catch2/catch.hpp>
 #include <limits>

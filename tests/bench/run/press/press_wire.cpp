@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "bench/run/press/press_preflight.h"
+#include "bench/run/press/press.h"
 #include "tests/bench/run/press/press_rig.h"
 
 using namespace tactbench;

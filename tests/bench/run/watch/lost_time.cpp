@@ -1,5 +1,5 @@
 // Lost time of a stored run, frame by frame: which interruptions are before a frame, and how much of the gap they are.
-#include "bench/run/watch/lost_time.h"
+#include "bench/run/watch/watches.h"
 
 #include <catch2/catch.hpp>
 

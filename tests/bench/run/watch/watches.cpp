@@ -10,10 +10,7 @@
 #include "bench/config/config.h"
 #include "bench/rig/rig.h"
 #include "bench/run/time_estimate.h"
-#include "bench/run/watch/branch_guard.h"
-#include "bench/run/watch/conditioning.h"
-#include "bench/run/watch/stuck_rows.h"
-#include "bench/run/watch/suspension.h"
+#include "bench/run/watch/watches.h"
 
 using namespace tactbench;
 using namespace tactbench::bench;

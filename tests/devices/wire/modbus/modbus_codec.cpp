@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "devices/wire/modbus/modbus_line.h"
+#include "devices/wire/modbus/modbus_link.h"
 #include "devices/wire/modbus/modbus_value.h"
 #include "tests/devices/check_codec.h"
 
