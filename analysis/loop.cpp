@@ -41,7 +41,7 @@ const Branch& branch_of(const std::vector<Branch>& branches, int step) {
   return *found;
 }
 
-void check_alike(const SequenceData& sequence, const RepeatOptions& options, int last) {
+void check_same_levels(const SequenceData& sequence, const RepeatOptions& options, int last) {
   if (options.first_repeat < 0 || last >= static_cast<int>(sequence.repeats.size()) || options.first_repeat > last)
     throw AnalysisError("TB-ANALYSIS-REPEATS", "sequence " + sequence.name + " does not have the requested repeats",
                         "name repeats that are complete");
@@ -81,7 +81,7 @@ std::vector<Branch> branches_along(std::span<const double> x, double tolerance) 
 
 TaxelTable average_repeats(const SequenceData& sequence, int taxels, const RepeatOptions& options) {
   const int last = options.last_repeat < 0 ? static_cast<int>(sequence.repeats.size()) - 1 : options.last_repeat;
-  check_alike(sequence, options, last);
+  check_same_levels(sequence, options, last);
   const auto width = static_cast<std::size_t>(taxels);
   const std::vector<Sample>& steps = sequence.repeats[static_cast<std::size_t>(options.first_repeat)].steps;
   const double weight = 1.0 / (last - options.first_repeat + 1);

@@ -61,7 +61,7 @@ int PressureUnit::digits(int in_psi) const {
   return std::max(finer, std::min(in_psi, 1));  // tenths stay: 0.1 psi is 0.7 kPa, not 1
 }
 
-PressureUnit PressureUnit::beside() const { return kind_ == kPsi ? kKilopascal : kPsi; }
+PressureUnit PressureUnit::other() const { return kind_ == kPsi ? kKilopascal : kPsi; }
 
 std::string PressureUnit::fixed(double psi, int in_psi) const {
   if (!std::isfinite(psi)) return "not available";

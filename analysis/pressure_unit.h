@@ -24,7 +24,7 @@ class PressureUnit {
   // Number of decimals with about the same resolution as `in_psi` decimals of psi.
   [[nodiscard]] int digits(int in_psi) const;
   // The second unit, displayed in brackets: psi; for psi itself kPa.
-  [[nodiscard]] PressureUnit beside() const;
+  [[nodiscard]] PressureUnit other() const;
 
   // Without a sign for zero; "not available" when not finite. `digits`: those of psi.
   [[nodiscard]] std::string fixed(double psi, int digits) const;  // "68.9"

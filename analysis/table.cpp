@@ -331,8 +331,8 @@ void leave_out_wild(const std::string& file, std::size_t outputs, Table& table) 
     for (std::size_t k = first; k < first + outputs; ++k)
       for (const ImplausibleSample& wild : implausible_samples(table.series[k]))
         out.try_emplace(wild.place, fmt::format("{}, {}", file, implausible_text(table.series[k], wild)));
-    for (const auto& [row, words] : out)
-      if (++table.skipped.count <= SkippedRows::kNamed) table.skipped.first.push_back(words);
+    for (const auto& [row, text] : out)
+      if (++table.skipped.count <= SkippedRows::kNamed) table.skipped.first.push_back(text);
     for (auto row = out.rbegin(); row != out.rend(); ++row) {
       const auto erase = [&](auto& values) {
         if (!values.empty()) values.erase(values.begin() + static_cast<std::ptrdiff_t>(row->first));

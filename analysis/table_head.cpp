@@ -258,7 +258,7 @@ void TableReader::find_first_row(const std::vector<std::size_t>& columns) {
   std::size_t row = found ? ahead_.size() - 1 : std::min<std::size_t>(1, ahead_.size() - (layout_.no_header ? 1 : 0));
   if (separator_ == 0) separator_ = separator.value_or(separator_of(ahead_.front().text));
   const std::size_t width = split(ahead_[found ? row : 0].text, separator_).size();
-  const auto is_alike = [&](const std::vector<std::string>& fields) {
+  const auto looks_same = [&](const std::vector<std::string>& fields) {
     return fields.size() == width || fields.size() == width + 1;
   };
   const auto any_number = [&](const std::vector<std::string>& fields) {
@@ -266,9 +266,9 @@ void TableReader::find_first_row(const std::vector<std::size_t>& columns) {
   };
   const auto fields_at = [&](std::size_t line) { return split(ahead_[line].text, separator_); };
   // A line with a number in one column and none in another is an unreadable row, not a line of names.
-  while (row > 0 && is_alike(fields_at(row - 1)) && any_number(fields_at(row - 1))) --row;
+  while (row > 0 && looks_same(fields_at(row - 1)) && any_number(fields_at(row - 1))) --row;
   if (layout_.no_header) return number_from(0, width);
-  if (row == 0 || !is_alike(fields_at(row - 1))) return number_from(row, width);
+  if (row == 0 || !looks_same(fields_at(row - 1))) return number_from(row, width);
   std::size_t names = row - 1;
   if (names > 0 && is_units(fields_at(names), columns) && fields_at(names).size() == fields_at(names - 1).size() &&
       !any_number(fields_at(names - 1)))

@@ -98,7 +98,7 @@ class TurningCompensator final : public Compensator {
     }
     const bool stands =
         weight_ == least_weight_ && mean_ >= reusable_from_ && mean_ <= reusable_to_ && zone_is_unchanged();
-    const Reading now = stands ? read_again(low_, noise2_) : read_anew();
+    const Reading now = stands ? read_again(low_, noise2_) : read_fully();
     last_x_ = now.x - x_low_;
     last_y_ = mean_;
     double pressure = last_x_, unsettled = 0.0;
@@ -360,7 +360,7 @@ class TurningCompensator final : public Compensator {
     for (double* const own : {&mean_, &extreme_, &turn_, &last_y_}) *own *= change;
   }
 
-  [[gnu::noinline]] Reading read_anew() {
+  [[gnu::noinline]] Reading read_fully() {
     if (decided_)
       turn_when_beyond();
     else

@@ -24,7 +24,7 @@ namespace {
 constexpr const char* kOtherData = "fit sequences that hold what is missing, or another model";
 
 // Taxels of a run share their inputs; those of a table need not.
-bool alike(const FitData& a, const FitData& b) {
+bool has_same_inputs(const FitData& a, const FitData& b) {
   return std::ranges::equal(a.histories, b.histories, {}, &History::x, &History::x) &&
          std::ranges::equal(a.ascending.x(), b.ascending.x());
 }
@@ -103,7 +103,7 @@ class SensorFitter {
     taxel.loop_low = data.ascending.y().front();
     if (data.ascending.y().back() - taxel.loop_low < histories_.min_span) return;  // moves, but not with the input
     try {
-      taxel.fit = alike(data, like_) ? shared_->fit(data) : identify(model_, data, options_);
+      taxel.fit = has_same_inputs(data, like_) ? shared_->fit(data) : identify(model_, data, options_);
       set_loop(taxel, data.ascending.x(), data.ascending.y(), data.descending.y());
     } catch (const std::invalid_argument& error) {
       taxel.fit = {};

@@ -92,10 +92,10 @@ std::vector<RepeatDrift> repeat_drifts(const Dataset& dataset, std::span<const s
   std::vector<RepeatDrift> drifts;
   const auto width = static_cast<std::size_t>(dataset.taxels());
   for (const SequenceData& sequence : dataset.sequences) {
-    const SequenceData alike = at_first_pace(sequence);
-    const std::size_t count = alike.repeats.size();
+    const SequenceData paced = at_first_pace(sequence);
+    const std::size_t count = paced.repeats.size();
     if (count < 3 || taxels.empty()) continue;
-    const SequenceData mean = mean_sequence(alike, width, taxels);
+    const SequenceData mean = mean_sequence(paced, width, taxels);
     std::vector<std::vector<double>> means(count);
     for (std::size_t r = 0; r < count; ++r) {
       RepeatOptions one = options;

@@ -94,7 +94,7 @@ struct Residuals {
   std::vector<Squares> own;  // of each taxel on all samples
   Squares left, inner,
       all;  // of the chosen taxels: models that did not see a branch on it, those in use there, and all
-  [[nodiscard]] bool told() const { return left.samples() > 0.0; }
+  [[nodiscard]] bool known() const { return left.samples() > 0.0; }
 };
 
 // `squares(taxel, t, counts)`: of `taxel`, which is the model's one at place t or one like it.
@@ -134,7 +134,7 @@ void set_residuals(const Residuals& found, double factor, SensorModel& model) {
   for (std::size_t t = 0; t < found.own.size(); ++t) {
     const Squares& own = found.own[t];
     if (own.samples() == 0.0) continue;
-    const double residual2 = found.told()
+    const double residual2 = found.known()
                                  ? residual2_of_taxel(between_branches({found.left.mean(), found.inner.mean()}),
                                                       own.mean(), found.all.mean())
                                  : own.mean() + between_external_branches(model.taxels[t]);
@@ -157,10 +157,11 @@ LeftOut leave_out(Histories histories, const std::vector<std::string>& sequences
   for (std::size_t k = 0; k < usable.size(); k += every) {
     TaxelHistories& own = histories.taxels[usable[k]];
     own.fit = named(own.fit, sequences);
-    const auto alike = [](const History& a, const History& b) {
+    const auto same_branches = [](const History& a, const History& b) {
       return std::ranges::equal(a.branches, b.branches, {}, &Branch::first, &Branch::first);
     };
-    if (!taxels.empty() && !std::ranges::equal(own.fit, taxels.front().fit, alike)) continue;  // inputs of its own
+    if (!taxels.empty() && !std::ranges::equal(own.fit, taxels.front().fit, same_branches))
+      continue;  // inputs of its own
     out.places.push_back(usable[k]);
     taxels.push_back(std::move(own));
   }
@@ -288,7 +289,7 @@ void find_dynamic_residuals(const Dataset& fitted, const Dataset& undone, const 
       });
   set_residuals(found, 1.0, model);
   model.dynamics->residual_shape =
-      found.told() && found.left.mean() > 0.0 ? shape_of(found.left) : std::vector<double>(2 * n, 1.0);
+      found.known() && found.left.mean() > 0.0 ? shape_of(found.left) : std::vector<double>(2 * n, 1.0);
 }
 
 }  // namespace tactbench::analysis

@@ -236,25 +236,25 @@ bool turn_not_measured(const FitData& data, const History& history, const Branch
 }
 
 // Of FitData's, those that tell of ELAM: all whose turn was measured, or all where one direction would be missing.
-std::vector<const Branch*> telling(const FitData& data, const History& history) {
-  std::vector<const Branch*> told;
+std::vector<const Branch*> determining_branches(const FitData& data, const History& history) {
+  std::vector<const Branch*> used;
   bool up = false, down = false;
   for (const Branch& branch : history.branches) {
     if (turn_not_measured(data, history, branch)) continue;
-    told.push_back(&branch);
+    used.push_back(&branch);
     (branch.ascending ? up : down) = true;
   }
-  if (up && down) return told;
-  told.clear();
-  for (const Branch& branch : history.branches) told.push_back(&branch);
-  return told;
+  if (up && down) return used;
+  used.clear();
+  for (const Branch& branch : history.branches) used.push_back(&branch);
+  return used;
 }
 
 std::vector<TaxelBranch> branches_in(const FitData& data) {
   std::vector<TaxelBranch> branches;
   for (const History& history : data.histories) {
-    for (const Branch* const told : telling(data, history)) {
-      const Branch& branch = *told;
+    for (const Branch* const used : determining_branches(data, history)) {
+      const Branch& branch = *used;
       TaxelBranch own{branch.ascending, {}, {}};
       own.pressure_psi.assign(history.x.begin() + branch.first, history.x.begin() + branch.last + 1);
       own.volts.assign(history.y.begin() + branch.first, history.y.begin() + branch.last + 1);
@@ -275,12 +275,12 @@ Walk walk(const ElamHysteresis& model, const FitData& data, bool free_run) {
   for (const History& history : data.histories) {
     const auto state = model.state();
     if (begins_falling(history)) state->go(model.x_high());
-    const std::vector<const Branch*> told = telling(data, history);
+    const std::vector<const Branch*> used = determining_branches(data, history);
     for (const Branch& branch : history.branches) {
       const auto first = static_cast<std::size_t>(branch.first), last = static_cast<std::size_t>(branch.last);
       state->go(history.x[first]);
       if (!free_run) state->measured(history.y[first]);
-      if (std::ranges::find(told, &branch) == told.end()) {
+      if (std::ranges::find(used, &branch) == used.end()) {
         state->go(history.x[last]);
         continue;
       }

@@ -140,19 +140,19 @@ class Doubts {
         x_(span_of(taxel.fit, &History::x)),
         y_(span_of(fitted_, &History::y)) {}
 
-  void tell(std::vector<std::string>& warnings) const {
-    tell_slips(warnings);
-    tell_blocks(warnings);
-    tell_ends(warnings);
-    tell_dips(warnings);
-    tell_start(warnings);
-    tell_inner(warnings);
-    tell_loop(warnings);
+  void report(std::vector<std::string>& warnings) const {
+    report_slips(warnings);
+    report_blocks(warnings);
+    report_ends(warnings);
+    report_dips(warnings);
+    report_start(warnings);
+    report_inner(warnings);
+    report_loop(warnings);
   }
 
  private:
   // Turns that may be none, and a size of turns without them.
-  void tell_slips(std::vector<std::string>& warnings) const {
+  void report_slips(std::vector<std::string>& warnings) const {
     double longest = 0.0;
     std::size_t branches = 0, left = 0;
     for (const History& history : fitted_) {
@@ -175,7 +175,7 @@ class Doubts {
   }
 
   // The same rows again, where noise makes that no chance.
-  void tell_blocks(std::vector<std::string>& warnings) const {
+  void report_blocks(std::vector<std::string>& warnings) const {
     constexpr std::size_t kLeast = 8, kLooked = 1'000'000;  // rows
     constexpr double kClear = 3.0, kNoNoise = 1e-4;         // noises a count; of the span
     if (taxel_->noise < std::max(kClear * count_, kNoNoise * y_.length())) return;
@@ -206,7 +206,7 @@ class Doubts {
 
   // Outputs at the lowest and at the highest input, a visit each but where a history begins: what was never loaded does
   // not come back to that output, which is no drift.
-  void tell_ends(std::vector<std::string>& warnings) const {
+  void report_ends(std::vector<std::string>& warnings) const {
     for (const double end : {x_.low, x_.high}) {
       const double near = std::max(kVisits * x_.length(), taxel_->turn);
       std::vector<double> outputs;
@@ -235,7 +235,7 @@ class Doubts {
   }
 
   // The longest way by which an output that had risen falls again inside a branch along which it should rise.
-  void tell_dips(std::vector<std::string>& warnings) const {
+  void report_dips(std::vector<std::string>& warnings) const {
     double worst = 0.0, at = 0.0;
     const double rises = rising() ? 1.0 : -1.0;
     for (const History& history : fitted_) {
@@ -273,7 +273,7 @@ class Doubts {
 
   [[nodiscard]] double near() const { return std::max(kNearEnd * x_.length(), taxel_->turn); }
 
-  void tell_start(std::vector<std::string>& warnings) const {
+  void report_start(std::vector<std::string>& warnings) const {
     std::vector<std::string> names;
     double first = 0.0;
     for (const History& history : taxel_->fit) {
@@ -294,7 +294,7 @@ class Doubts {
                     listed(names), first, 100.0 * (first - x_.low) / x_.length()));
   }
 
-  void tell_inner(std::vector<std::string>& warnings) const {
+  void report_inner(std::vector<std::string>& warnings) const {
     int falling = 0, rising = 0;
     for (const History& history : fitted_) {
       for (std::size_t b = 1; b < history.branches.size(); ++b) {
@@ -309,7 +309,7 @@ class Doubts {
                     counted(falling, "branch", "branches"), rising, kFewInner));
   }
 
-  void tell_loop(std::vector<std::string>& warnings) const {
+  void report_loop(std::vector<std::string>& warnings) const {
     std::vector<TaxelTable> sequences;
     for (const History& history : fitted_) sequences.push_back({history.x, history.y, history.branches});
     try {
@@ -337,7 +337,7 @@ class Doubts {
 };
 
 // Of all taxels that can be fitted, the one with the widest dead band.
-void tell_band(const Histories& histories, std::vector<std::string>& warnings) {
+void report_band(const Histories& histories, std::vector<std::string>& warnings) {
   double widest = 0.0, noise = 0.0;
   int many = 0, taxel = 0;
   for (const TaxelHistories& own : histories.taxels) {
@@ -411,7 +411,7 @@ void find_wild(const TableSeries& series, const HistoriesOptions& options, Taxel
   }
 }
 
-void tell_wild(const std::vector<std::string>& found, bool imported, std::vector<std::string>& warnings) {
+void report_wild(const std::vector<std::string>& found, bool imported, std::vector<std::string>& warnings) {
   for (std::size_t i = 0; i < std::min(found.size(), kNamed); ++i)
     warnings.push_back(fmt::format("{}: correct it, or leave it out by {}--skip-bad-rows", found[i],
                                    imported ? "importing the table anew with " : ""));
@@ -474,11 +474,11 @@ Histories histories_of(const std::vector<TableSeries>& series, const std::string
     taxel.score = taxel.fit;
     histories.taxels.push_back(std::move(taxel));
   }
-  tell_wild(wild, series.front().lines.empty(), histories.warnings);
+  report_wild(wild, series.front().lines.empty(), histories.warnings);
   histories.rows = static_cast<int>(histories.taxels.size());
   const auto first = std::ranges::find_if(histories.taxels, [](const auto& t) { return t.usable(); });
-  if (first != histories.taxels.end()) Doubts(*first, *count, options).tell(histories.warnings);
-  tell_band(histories, histories.warnings);
+  if (first != histories.taxels.end()) Doubts(*first, *count, options).report(histories.warnings);
+  report_band(histories, histories.warnings);
   finish(histories);
   return histories;
 }

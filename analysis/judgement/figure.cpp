@@ -104,7 +104,7 @@ class SweepScatter {
 
 struct CriterionNames {
   const char* key;
-  const char* words;  // by VIM and the guides on conformity
+  const char* text;  // by VIM and the guides on conformity
   Quantity quantity;
 };
 
@@ -124,9 +124,9 @@ constexpr std::array kDirections = {"both", "up", "down"};
 const CriterionNames& words_of(Criterion criterion) { return kCriteria.at(static_cast<std::size_t>(criterion)); }
 
 template <class Enum, std::size_t N>
-std::optional<Enum> one_of(const std::array<const char*, N>& words, std::string_view word) {
-  const auto found = std::ranges::find(words, word);
-  return found == words.end() ? std::nullopt : std::optional(static_cast<Enum>(found - words.begin()));
+std::optional<Enum> one_of(const std::array<const char*, N>& text, std::string_view word) {
+  const auto found = std::ranges::find(text, word);
+  return found == text.end() ? std::nullopt : std::optional(static_cast<Enum>(found - text.begin()));
 }
 
 std::string pressures_of(const Scope& scope, PressureUnit unit) {
@@ -163,7 +163,7 @@ const char* to_string(Quantity quantity) { return kQuantities.at(static_cast<std
 const char* to_string(Scope::Kind kind) { return kKinds.at(static_cast<std::size_t>(kind)); }
 const char* to_string(Direction direction) { return kDirections.at(static_cast<std::size_t>(direction)); }
 
-const char* display_text(Criterion criterion) { return words_of(criterion).words; }
+const char* display_text(Criterion criterion) { return words_of(criterion).text; }
 
 std::string display_text(const Scope& scope, PressureUnit unit) {
   return scope.kind == Scope::Kind::kArray ? "array" : with_rest(scope, pressures_of(scope, unit));
@@ -438,10 +438,10 @@ constexpr const char* kOneSweep = "neither the judged run nor that of the models
 
 std::string limits_sentence(const ReferenceUncertainty& reference) {
   constexpr std::array<const char*, kReferenceParts> kNames = {"voltage input", "hysteresis", "zero", "temperature"};
-  std::string words;
+  std::string text;
   for (std::size_t part = 0; part < kReferenceParts; ++part)
-    if (reference.limits[part].half_width_psi > 0.0) words += fmt::format(", {}", kNames[part]);
-  return words;
+    if (reference.limits[part].half_width_psi > 0.0) text += fmt::format(", {}", kNames[part]);
+  return text;
 }
 
 // Of a mean of absolute errors against the reference.
@@ -455,14 +455,14 @@ FigureUncertainty error_uncertainty(const FigureScatter& scatter, const Referenc
   std::vector<VarianceShare> firm = shares_of(reference, std::min(reference.drift_psi, reference.drift_stated_psi));
   shares.push_back({scatter.u, scatter.dof});
   firm.push_back({scatter.u, scatter.dof});
-  return expanded(fmt::format("reference (certificate{}{}{}), which moves a mean of absolute errors by at most its own "
-                              "error (c = 1); and {}",
-                              !reference.drift_missing.empty()                   ? ""
-                              : reference.drift_psi > reference.drift_stated_psi ? ", drift beyond its stated limit"
-                                                                                 : ", drift",
-                              reference.resolution_missing.empty() ? ", resolution" : "", limits_sentence(reference),
-                              scatter.words),
-                  shares, firm);
+  return expanded(
+      fmt::format("reference (certificate{}{}{}), which moves a mean of absolute errors by at most its own "
+                  "error (c = 1); and {}",
+                  !reference.drift_missing.empty()                   ? ""
+                  : reference.drift_psi > reference.drift_stated_psi ? ", drift beyond its stated limit"
+                                                                     : ", drift",
+                  reference.resolution_missing.empty() ? ", resolution" : "", limits_sentence(reference), scatter.text),
+      shares, firm);
 }
 
 // Of a difference between readings at one level, in which the reference's error cancels, except for its hysteresis
@@ -472,7 +472,7 @@ FigureUncertainty difference_uncertainty(const FigureScatter& scatter, double hy
   std::vector<VarianceShare> shares = {{scatter.u, scatter.dof}};
   if (hysteresis > 0.0) shares.push_back({2.0 * hysteresis / std::numbers::sqrt3, kInfiniteDof});
   return expanded(fmt::format("the reference's error cancels{}; {}",
-                              hysteresis > 0.0 ? " except for its hysteresis" : "", scatter.words),
+                              hysteresis > 0.0 ? " except for its hysteresis" : "", scatter.text),
                   shares, shares);
 }
 

@@ -170,13 +170,13 @@ std::vector<Figure> measured_figures(const Dataset& judged, const Dataset& model
 // Scatter of one criterion's figure, as a standard uncertainty of the judged figure.
 struct FigureScatter {
   double u = 0.0, dof = 0.0;
-  std::string words;  // empty: not known
-  [[nodiscard]] bool known() const { return !words.empty(); }
+  std::string text;  // empty: not known
+  [[nodiscard]] bool known() const { return !text.empty(); }
 };
 
-inline FigureScatter quotient(double s, double dof, std::size_t judged, std::string words) {
-  if (judged > 1) words += fmt::format(", divided by √{}", judged);
-  return {s / std::sqrt(static_cast<double>(std::max<std::size_t>(1, judged))), dof, std::move(words)};
+inline FigureScatter quotient(double s, double dof, std::size_t judged, std::string text) {
+  if (judged > 1) text += fmt::format(", divided by √{}", judged);
+  return {s / std::sqrt(static_cast<double>(std::max<std::size_t>(1, judged))), dof, std::move(text)};
 }
 
 }  // namespace tactbench::analysis

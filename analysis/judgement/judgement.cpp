@@ -256,10 +256,10 @@ Judgement judge(const Evidence& evidence, const Limits& limits) {
 std::string condition_text(const Judgement& judgement, PressureUnit unit) {
   if (judgement.overall == Verdict::kInconclusive && judgement.untraced)
     return ": " + display_text(*judgement.untraced, unit);
-  std::string words;
-  if (judgement.rests_on_means_alone) words += ", for means only: no limit applies to single readings";
-  if (passes(judgement.overall) && !judgement.not_assessed.empty()) words += ", under repeatability conditions only";
-  return words;
+  std::string text;
+  if (judgement.rests_on_means_alone) text += ", for means only: no limit applies to single readings";
+  if (passes(judgement.overall) && !judgement.not_assessed.empty()) text += ", under repeatability conditions only";
+  return text;
 }
 
 std::string statement_text(const Judgement& judgement, PressureUnit unit) {
@@ -425,11 +425,11 @@ void set_dwell(JudgedTrajectory& judged, double dwell_s, double fitted_dwell_s) 
 }
 
 std::string display_text(const JudgedTrajectory& judged) {
-  std::string words = fmt::format("{}: {}, {:.0f} % of the frames on inner branches", to_string(judged.trajectory),
-                                  counted(judged.reversals, "turning point"), 100.0 * judged.inner_share);
-  if (std::isfinite(judged.dwell_s)) words += fmt::format("; dwell {:.1f} s", judged.dwell_s);
-  if (judged.other_dwell) words += fmt::format(" (fitted: {:.1f} s)", judged.fitted_dwell_s);
-  return words;
+  std::string text = fmt::format("{}: {}, {:.0f} % of the frames on inner branches", to_string(judged.trajectory),
+                                 counted(judged.reversals, "turning point"), 100.0 * judged.inner_share);
+  if (std::isfinite(judged.dwell_s)) text += fmt::format("; dwell {:.1f} s", judged.dwell_s);
+  if (judged.other_dwell) text += fmt::format(" (fitted: {:.1f} s)", judged.fitted_dwell_s);
+  return text;
 }
 
 }  // namespace tactbench::analysis

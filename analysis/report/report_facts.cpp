@@ -94,14 +94,14 @@ std::string order_of(const ReportInput& input) {
 }
 
 doc::Phrase findings_summary(const Health& health) {
-  std::string words;
-  const auto add = [&](const std::string& one) { words += (words.empty() ? "" : "; ") + one; };
+  std::string text;
+  const auto add = [&](const std::string& one) { text += (text.empty() ? "" : "; ") + one; };
   const auto left_out = std::ranges::count_if(health.findings, &TaxelHealth::excluded);
   if (left_out > 0) add(fmt::format("{} left out of every figure", left_out));
   if (const int noisy = health.count("noisy"); noisy > 0) add(fmt::format("{} noisy", noisy));
   for (const SwappedLines& swap : health.swaps)
     add(fmt::format("{} {} and {} swapped", swap.rows ? "rows" : "columns", swap.first, swap.second));
-  return words.empty() ? doc::Phrase() : doc::Phrase(doc::StyledText{"▲ " + words, doc::TextStyle::kDoubt});
+  return text.empty() ? doc::Phrase() : doc::Phrase(doc::StyledText{"▲ " + text, doc::TextStyle::kDoubt});
 }
 
 Spread spread_of(std::vector<double> values) {

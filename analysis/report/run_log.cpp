@@ -91,8 +91,8 @@ RunLog load_run_log(const StoredRun& run) {
     }
     ++history.frames;
     if (!frame.flags.empty()) ++history.flagged;
-    std::istringstream words(frame.flags);
-    for (std::string word; words >> word;) ++history.flags[word];
+    std::istringstream text(frame.flags);
+    for (std::string word; text >> word;) ++history.flags[word];
   }
   if (const db::CheckRecord* own = newest_seating(history)) history.seating_v = seating_response(*own);
   return history;

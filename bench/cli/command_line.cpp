@@ -48,26 +48,26 @@ void check_verb(const CLI::App& app, int argc, char** argv) {
 // The verb that was typed, as far as it was understood, with its words.
 std::pair<const CLI::App*, std::string> typed_verb(const CLI::App& app) {
   const CLI::App* verb = &app;
-  std::string words = app.get_name();
+  std::string text = app.get_name();
   while (!verb->get_subcommands().empty()) {
     verb = verb->get_subcommands().back();
-    words += " " + verb->get_name();
+    text += " " + verb->get_name();
   }
-  return {verb, words};
+  return {verb, text};
 }
 
 // CLI11 reports a missing required option or verb before a misspelled one, which usually is the cause.
 Error usage_error(const CLI::App& app, const CLI::ParseError& error) {
   const std::vector<std::string> left = app.remaining(true);
-  const auto [verb, words] = typed_verb(app);
+  const auto [verb, text] = typed_verb(app);
   std::vector<std::string> verbs;
   for (const CLI::App* below : verb->get_subcommands({})) verbs.push_back(below->get_name());
   if (verb->get_require_subcommand_min() > 0 && verb != &app) {
     const bool typed = !left.empty() && left.front().size() > 1 && left.front().front() != '-';
     const std::string near = typed ? sequences::nearest_word(left.front(), verbs) : std::string();
     return {"TB-USAGE",
-            typed ? fmt::format("there is no verb '{}' of '{}'", left.front(), words)
-                  : fmt::format("'{}' needs a verb after it", words),
+            typed ? fmt::format("there is no verb '{}' of '{}'", left.front(), text)
+                  : fmt::format("'{}' needs a verb after it", text),
             "command line",
             near.empty() ? fmt::format("one of: {}", fmt::join(verbs, ", ")) : fmt::format("did you mean '{}'?", near)};
   }
@@ -84,18 +84,18 @@ Error usage_error(const CLI::App& app, const CLI::ParseError& error) {
     }
     if (what.find("--operator is required") != std::string::npos)
       remedy = "--operator NAME; or once, in tactbench.toml: tactbench init --operator NAME";
-    else if (words == "tactbench compare" && !left.empty())
+    else if (text == "tactbench compare" && !left.empty())
       remedy =
           "this compares kinds of models; to compare two runs: tactbench runs diff A B, or tactbench report --compare "
           "A B";
     if (remedy.empty()) {
-      remedy = words;
+      remedy = text;
       for (const CLI::Option* option : verb->get_options())
         if (option->get_positional())
           remedy += option->get_required() ? " " + option->get_name(true) : " [" + option->get_name(true) + "]";
       for (const CLI::Option* option : verb->get_options())
         if (!option->get_positional() && option->get_required()) remedy += fmt::format(" {} ...", option->get_name());
-      remedy += fmt::format("; {} --help", words);
+      remedy += fmt::format("; {} --help", text);
     }
     return {"TB-USAGE", what, "command line", remedy};
   }
@@ -105,12 +105,11 @@ Error usage_error(const CLI::App& app, const CLI::ParseError& error) {
   }
   const std::string name = unknown->substr(0, unknown->find('='));
   const std::string near = sequences::nearest_word(name, known);
-  if (words == "tactbench fit" && (name == "--limits" || name == "--held-out" || name == "--lab"))
+  if (text == "tactbench fit" && (name == "--limits" || name == "--held-out" || name == "--lab"))
     return {"TB-USAGE", fmt::format("{} judges, and fit only makes the model", name), "command line",
             "then: tactbench judge MODEL RUN... --limits FILE"};
-  return {
-      "TB-USAGE", fmt::format("there is no option '{}' of '{}'", name, words), "command line",
-      near.empty() ? fmt::format("{} --help lists the valid ones", words) : fmt::format("did you mean '{}'?", near)};
+  return {"TB-USAGE", fmt::format("there is no option '{}' of '{}'", name, text), "command line",
+          near.empty() ? fmt::format("{} --help lists the valid ones", text) : fmt::format("did you mean '{}'?", near)};
 }
 
 // The first word that is neither an option nor its value.

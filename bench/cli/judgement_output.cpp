@@ -78,7 +78,7 @@ std::string trajectories(const Judgement& judgement) {
 }
 
 void add_conditions(doc::Document& out, const Judgement& judgement, PressureUnit unit, bool all) {
-  const auto add = [&](const std::string& words) { out.add(doc::Paragraph{{words}}); };
+  const auto add = [&](const std::string& text) { out.add(doc::Paragraph{{text}}); };
   if (states_conformity(judgement.overall) && !judgement.runs.empty()) {
     if (const std::string known = trajectories(judgement); !all && !known.empty()) add("errors are valid for " + known);
     for (const analysis::JudgedRun& run : judgement.runs)

@@ -21,9 +21,9 @@ namespace {
 
 constexpr int kUnreportedExit = 127 << 8;  // a wait status: exit code 127
 
-std::vector<char*> pointers_to(std::vector<std::string>& words) {
+std::vector<char*> pointers_to(std::vector<std::string>& arguments) {
   std::vector<char*> pointers;
-  for (std::string& word : words) pointers.push_back(word.data());
+  for (std::string& word : arguments) pointers.push_back(word.data());
   pointers.push_back(nullptr);
   return pointers;
 }
@@ -32,7 +32,7 @@ struct ChildExec {
   pid_t parent;
   int output, complaint;  // complaint: a pipe that carries errno, and closes when the program starts
   bool ends_with_parent;
-  char* const* words;
+  char* const* arguments;
   char* const* environment;
 };
 
@@ -52,7 +52,7 @@ struct ChildExec {
     const int null = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
     ready = null >= 0 && ::dup2(null, 0) >= 0 && ::dup2(exec.output, 1) >= 0 && ::dup2(exec.output, 2) >= 0;
   }
-  if (ready) ::execve(exec.words[0], exec.words, exec.environment);
+  if (ready) ::execve(exec.arguments[0], exec.arguments, exec.environment);
   const int why = errno;
   (void)!::write(exec.complaint, &why, sizeof why);
   ::_exit(127);
@@ -80,11 +80,12 @@ std::vector<std::string> environment_with(std::vector<std::string> own) {
 }
 
 ChildProgram::ChildProgram(ChildStart start) {
-  const std::vector<char*> words = pointers_to(start.words), environment = pointers_to(start.environment);
+  const std::vector<char*> arguments = pointers_to(start.arguments), environment = pointers_to(start.environment);
   int ends[2] = {-1, -1};
   int failed = ::pipe2(ends, O_CLOEXEC) == 0 ? 0 : errno;
   if (failed == 0) {
-    const ChildExec exec{::getpid(), start.output, ends[1], start.ends_with_parent, words.data(), environment.data()};
+    const ChildExec exec{::getpid(),       start.output,      ends[1], start.ends_with_parent,
+                         arguments.data(), environment.data()};
     process_ = ::fork();
     if (process_ == 0) become_child(exec);
     if (process_ < 0) failed = errno;
@@ -95,7 +96,7 @@ ChildProgram::ChildProgram(ChildStart start) {
   if (start.output >= 0) ::close(start.output);
   if (failed == 0) return;
   if (process_ > 0) (void)wait();
-  throw std::system_error(failed, std::generic_category(), start.words.front());
+  throw std::system_error(failed, std::generic_category(), start.arguments.front());
 }
 
 ChildProgram::~ChildProgram() {

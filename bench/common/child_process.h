@@ -11,7 +11,7 @@
 namespace tactbench::bench {
 
 struct ChildStart {
-  std::vector<std::string> words;        // the program's path first
+  std::vector<std::string> arguments;    // the program's path first
   std::vector<std::string> environment;  // its complete environment, each NAME=value
   // Open descriptor for its standard output and error; closed in this process in any case; its input is then /dev/null.
   // -1: inherits all three.

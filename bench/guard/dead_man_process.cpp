@@ -93,8 +93,8 @@ DeadManProcess::DeadManProcess(const BenchConfig& config)
 void DeadManProcess::start(const std::string& program) {
   const auto [ours, theirs] = devices::DescriptorChannel::make_pair();
   channel_ = std::make_unique<devices::DescriptorChannel>(ours);
-  std::string words[] = {program, "dead-man", "--socket", std::to_string(kSocket)};
-  const std::array<char*, 5> arguments{words[0].data(), words[1].data(), words[2].data(), words[3].data(), nullptr};
+  std::string texts[] = {program, "dead-man", "--socket", std::to_string(kSocket)};
+  const std::array<char*, 5> arguments{texts[0].data(), texts[1].data(), texts[2].data(), texts[3].data(), nullptr};
   child_ = ::fork();
   if (child_ == 0) become_dead_man(theirs, arguments.data());
   ::close(theirs);

@@ -91,12 +91,12 @@ std::string state_folder(const std::string& machine) {
 }
 
 void write_durably(const std::string& path, const std::string& text) {
-  const std::string beside = fmt::format("{}.{}", path, getpid());
+  const std::string temporary = fmt::format("{}.{}", path, getpid());
   {
-    const File file(beside, O_WRONLY | O_CREAT | O_TRUNC);
-    file.write(text, beside);
+    const File file(temporary, O_WRONLY | O_CREAT | O_TRUNC);
+    file.write(text, temporary);
   }
-  if (::rename(beside.c_str(), path.c_str()) != 0) fail("moving to", path);
+  if (::rename(temporary.c_str(), path.c_str()) != 0) fail("moving to", path);
   sync_folder(fs::path(path).parent_path().string());
 }
 

@@ -43,9 +43,9 @@ install(TARGETS tactbench_compensator tactbench_compensator_shared EXPORT tactbe
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library NAMELINK_COMPONENT development
   INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tactbench)
 install(FILES analysis/compensate/compensator.h analysis/compensate/compensator_c.h analysis/compensate/document.h
-  analysis/compensate/compensator.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tactbench/analysis/compensate
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tactbench/analysis/compensate
   COMPONENT development)
-install(FILES analysis/models/dynamics.h analysis/models/pattern_curve.h analysis/models/pattern_curve.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tactbench/analysis/models COMPONENT development)
+install(FILES analysis/models/dynamics.h analysis/models/pattern_curve.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tactbench/analysis/models COMPONENT development)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/tactbench)
 install(EXPORT tactbench-targets NAMESPACE tactbench:: DESTINATION ${package_folder} COMPONENT development)
 file(WRITE ${PROJECT_BINARY_DIR}/generated/tactbench-config.cmake

@@ -58,7 +58,7 @@ void complain(DeviceCheck& result, const std::string& note, const std::string& r
 }
 
 // In words; overdue is a warning, which any fault outranks.
-void tell_calibration(const db::DeviceRecord& record, const std::string& today, DeviceCheck& result) {
+void report_calibration(const db::DeviceRecord& record, const std::string& today, DeviceCheck& result) {
   const analysis::InstrumentCalibration calibration = analysis::calibration_of(record);
   result.notes.push_back(calibration_text(calibration, today, analysis::PressureUnit::kPsi));
   if (due_state(calibration, today) != analysis::DueState::kOverdue || result.state != State::kOk) return;
@@ -111,7 +111,7 @@ void inspect_reference(Rig& rig, DeviceCheck& result, const std::string& today) 
   result.reading = analysis::both_units(psi, 2);
   if (!config.reference_independent)
     result.notes.emplace_back("the regulator's feedback: pressure not independently traceable");
-  tell_calibration(reference_record(rig.reference().identity(), config), today, result);
+  report_calibration(reference_record(rig.reference().identity(), config), today, result);
   if (!config.reference_correction.empty()) {
     result.notes.push_back(
         fmt::format("correction {}, U {} (k = {:g}) at this reading",
@@ -149,7 +149,7 @@ void inspect_stage(Rig& rig, DeviceCheck& result, const std::string& today) {
   result.found = fmt::format("{}{}", fmt::join(names, "; "),
                              rig.config().origin == devices::Origin::kSimulated ? " (simulated)" : "");
   result.reading = fmt::format("{}", fmt::join(positions, "; "));
-  tell_calibration(stage_record({}, 0, *rig.config().stage), today, result);
+  report_calibration(stage_record({}, 0, *rig.config().stage), today, result);
 }
 
 void inspect_force(Rig& rig, DeviceCheck& result, const std::string& today) {
@@ -163,7 +163,7 @@ void inspect_force(Rig& rig, DeviceCheck& result, const std::string& today) {
   const auto range = sensor.range();
   result.notes.push_back(fmt::format("range +-{:g} {:g} {:g} N, +-{:g} {:g} {:g} N mm", range[0], range[1], range[2],
                                      range[3], range[4], range[5]));
-  tell_calibration(force_record({sensor.identity(), {}, {}}, *rig.config().force), today, result);
+  report_calibration(force_record({sensor.identity(), {}, {}}, *rig.config().force), today, result);
   if (std::abs(force[2]) > 0.1 * range[2]) {
     result.notes.emplace_back("far from zero: an object rests on the sensor, or it needs a tare");
   }

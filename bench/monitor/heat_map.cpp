@@ -70,7 +70,7 @@ std::string place(const ArrayView& view, int taxel) {
 }
 
 // The text next to the map's rows.
-std::vector<PaintedLine> beside(const ArrayView& view, Shades shades, std::size_t taxels) {
+std::vector<PaintedLine> map_and_list(const ArrayView& view, Shades shades, std::size_t taxels) {
   const double top = scale_top_v(view);
   std::vector<PaintedLine> lines;
   for (std::size_t shade = kShades; shade-- > 0;) {
@@ -134,7 +134,7 @@ std::vector<PaintedLine> heat_map(const ArrayView& view, Shades shades, std::siz
   const Grid grid = grid_of(view, taxels);
   const double top = scale_top_v(view);
   const std::size_t map_columns = kIndent + 2 * grid.columns;
-  std::vector<PaintedLine> text = beside(view, shades, taxels);
+  std::vector<PaintedLine> text = map_and_list(view, shades, taxels);
   if (map_columns + kGap + kBesideMap >= columns) text.clear();
   std::vector<PaintedLine> lines{
       {{fmt::format("  array     {}, {} x {} taxels", view.title, view.rows, view.columns)}}};

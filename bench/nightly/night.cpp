@@ -103,21 +103,21 @@ class Night {
     for (const char* ending : {".db", ".db-wal", ".db-shm", ".db-lock"}) fs::remove(file(scenario, ending));
     const Scenario& own = suite_.scenarios[scenario];
     ChildStart child;
-    child.words = {options_.program.empty() ? fs::read_symlink("/proc/self/exe").string() : options_.program,
-                   "nightly",
-                   suite_.file,
-                   "--only",
-                   own.name,
-                   "--seed",
-                   std::to_string(own.seed),
-                   "--db",
-                   file(scenario, ".db").string(),
-                   "--result",
-                   result_file(scenario).string()};
+    child.arguments = {options_.program.empty() ? fs::read_symlink("/proc/self/exe").string() : options_.program,
+                       "nightly",
+                       suite_.file,
+                       "--only",
+                       own.name,
+                       "--seed",
+                       std::to_string(own.seed),
+                       "--db",
+                       file(scenario, ".db").string(),
+                       "--result",
+                       result_file(scenario).string()};
     // Scenarios use separate names: commands to live runs do not reach them.
     child.environment = environment_with({"TACTBENCH_RUNTIME_DIR=" + scope_.path()});
     child.ends_with_parent = true;
-    const std::string program = child.words.front(), log = file(scenario, ".log").string();
+    const std::string program = child.arguments.front(), log = file(scenario, ".log").string();
     child.output = ::open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0644);
     if (child.output < 0)
       throw Error("TB-FILE-WRITE", fmt::format("cannot write the file: {}", std::strerror(errno)), log,

@@ -170,15 +170,15 @@ std::string short_baseline(const SubjectTrend& followed) {
 double TrendFigure::former() const { return values.size() > 1 ? values[values.size() - 2] : analysis::kNan; }
 
 void mark_outliers(std::vector<SubjectTrend>& sensors) {
-  std::map<std::pair<std::string, std::string>, std::vector<TrendFigure*>> alike;
+  std::map<std::pair<std::string, std::string>, std::vector<TrendFigure*>> same_figure;
   for (SubjectTrend& followed : sensors) {
     constexpr std::string_view kOfSensor = "sensor/";
     if (!followed.subject.starts_with(kOfSensor)) continue;
     const std::size_t end = followed.subject.find('/', kOfSensor.size());
     for (TrendFigure& figure : followed.figures)
-      alike[{followed.subject.substr(std::min(end, followed.subject.size())), figure.name}].push_back(&figure);
+      same_figure[{followed.subject.substr(std::min(end, followed.subject.size())), figure.name}].push_back(&figure);
   }
-  for (const auto& [key, figures] : alike) {
+  for (const auto& [key, figures] : same_figure) {
     std::vector<double> newest;
     for (const TrendFigure* figure : figures) newest.push_back(figure->values.back());
     const std::vector<double> scores = analysis::modified_z_scores(newest);

@@ -296,9 +296,9 @@ std::map<std::string, std::string> words_of(const analysis::Judgement& judgement
       name += " " + display_text(figure.scope, analysis::PressureUnit::kPsi);
     worst[name] = std::max(worst[name], std::optional(figure.verdict));
   }
-  std::map<std::string, std::string> words;
-  for (const auto& [name, verdict] : worst) words[name] = analysis::verdict_text(verdict);
-  return words;
+  std::map<std::string, std::string> text;
+  for (const auto& [name, verdict] : worst) text[name] = analysis::verdict_text(verdict);
+  return text;
 }
 
 void judge(const Scenario& scenario, db::RunStore& store, ScenarioResult& result) {

@@ -19,7 +19,7 @@ constexpr std::chrono::seconds kLongestWait{5};
 constexpr std::size_t kMostUnderWay = 16;  // a panic has as many separate places
 constexpr int kLargestNumber = std::numeric_limits<int>::max();
 
-HttpResponse told(int status, bool taken, const std::string& text, const std::string& by = {}) {
+HttpResponse answer_json(int status, bool taken, const std::string& text, const std::string& by = {}) {
   return {.status = status,
           .type = "application/json",
           .body = std::make_shared<const std::string>(
@@ -28,7 +28,7 @@ HttpResponse told(int status, bool taken, const std::string& text, const std::st
 
 struct Asked {
   std::int64_t run = 0;
-  std::string words;  // for the control socket
+  std::string packet;  // for the control socket
   bool panics = false;
 };
 
@@ -44,13 +44,13 @@ std::optional<Asked> read_command(const std::string& body, const std::string& be
     asked.run = json.value("run", std::int64_t{0});
     const std::string word = json.value("word", "");
     if (word == "answer") {
-      asked.words = answer_packet(json.value("question", 0), json.value("text", ""), behalf);
+      asked.packet = answer_packet(json.value("question", 0), json.value("text", ""), behalf);
       return asked;
     }
     for (const Command command :
          {Command::kPause, Command::kResume, Command::kStop, Command::kAbort, Command::kPanic}) {
       if (word != to_string(command)) continue;
-      asked.words = command_packet(command, behalf);
+      asked.packet = command_packet(command, behalf);
       asked.panics = command == Command::kPanic;
       return asked;
     }
@@ -63,14 +63,14 @@ std::optional<Asked> read_command(const std::string& body, const std::string& be
 
 void Commands::send(const std::string& body, const LiveRun* live, const std::string& behalf, Reply reply) {
   const std::optional<Asked> asked = read_command(body, behalf);
-  if (!asked) return reply(told(400, false, "this is not a command of the page"));
-  if (live == nullptr) return reply(told(200, false, "no run is live"));
+  if (!asked) return reply(answer_json(400, false, "this is not a command of the page"));
+  if (live == nullptr) return reply(answer_json(200, false, "no run is live"));
   if (asked->run != live->status.run)
-    return reply(told(200, false, fmt::format("run {} is live now, not run {}", live->status.run, asked->run)));
+    return reply(answer_json(200, false, fmt::format("run {} is live now, not run {}", live->status.run, asked->run)));
   if (sent_.size() >= (asked->panics ? 2 : 1) * kMostUnderWay)
-    return reply(told(200, false, "too many commands wait for the run"));
-  auto connection = std::make_unique<RunConnection>(live->name, asked->words, live->status.store);
-  if (!connection->open()) return reply(told(200, false, fmt::format("run {} does not answer", asked->run)));
+    return reply(answer_json(200, false, "too many commands wait for the run"));
+  auto connection = std::make_unique<RunConnection>(live->name, asked->packet, live->status.store);
+  if (!connection->open()) return reply(answer_json(200, false, fmt::format("run {} does not answer", asked->run)));
   Sent& sent = sent_.emplace_back();
   sent.connection = std::move(connection);
   sent.reply = std::move(reply);
@@ -83,8 +83,8 @@ void Commands::receive(Sent& sent) {
   const std::optional<LiveRun> answer = sent.connection->newest();
   if (!answer && sent.connection->open()) return;
   sent.done = true;  // look() removes it: this function is called by the object to be removed
-  if (!answer) return sent.reply(told(200, false, "the run closed the connection without an answer"));
-  sent.reply(told(200, answer->taken, one_line(answer->text, kMaxReplyColumns), peer_text(answer->server)));
+  if (!answer) return sent.reply(answer_json(200, false, "the run closed the connection without an answer"));
+  sent.reply(answer_json(200, answer->taken, one_line(answer->text, kMaxReplyColumns), peer_text(answer->server)));
 }
 
 void Commands::look() {
@@ -92,7 +92,8 @@ void Commands::look() {
   for (Sent& sent : sent_) {
     if (sent.done || now - sent.begun < kLongestWait) continue;
     sent.done = true;
-    sent.reply(told(200, false,
+    sent.reply(
+        answer_json(200, false,
                     fmt::format("the run has not acknowledged within {} s: its process is stopped, or waits for an "
                                 "instrument; check the rig",
                                 kLongestWait.count())));

@@ -24,17 +24,17 @@ constexpr std::chrono::milliseconds kReadAgain{3000};
 constexpr std::chrono::milliseconds kReadAtMost{500};
 
 // Commands to actuators, readings and accounts do not show progress.
-bool tells(const db::EventRecord& event) {
+bool is_displayed(const db::EventRecord& event) {
   constexpr std::array kQuiet{"command", "stage", "environment", "fail-safe", "relays", "time"};
   return std::ranges::find(kQuiet, event.kind) == kQuiet.end();
 }
 
 std::string current_readings_text(const RunReadings& now) {
   const auto tenths = [](double psi) { return std::round(10.0 * psi) / 10.0 + 0.0; };  // no "-0.0"
-  std::string words =
+  std::string text =
       fmt::format("feedback {:.1f} psi, reference {:.1f} psi", tenths(now.feedback_psi), tenths(now.reference_psi));
-  if (now.force_n) words += fmt::format(", force {:.2f} N", *now.force_n);
-  return words;
+  if (now.force_n) text += fmt::format(", force {:.2f} N", *now.force_n);
+  return text;
 }
 
 bool rests(RunState state) { return state == RunState::kPaused || state == RunState::kSuspended; }
@@ -158,7 +158,7 @@ void DisplayedRun::read_run(std::int64_t run) {
   newest_safe_.reset();
   store_->newest_events(run, [&](const db::EventRecord& event) {
     if (!newest_safe_ && event.kind == "safe") newest_safe_ = event;
-    if (tells(event) && events_.size() < kShownEvents) events_.push_back(event);
+    if (is_displayed(event) && events_.size() < kShownEvents) events_.push_back(event);
     return !newest_safe_ || events_.size() < kShownEvents;
   });
   last_frame_ = store_->last_position(run);
@@ -213,7 +213,7 @@ nlohmann::json DisplayedRun::state(const LiveRun* live, double silent_s) const {
   const bool shown = ours || live == nullptr;
   const SafeStateText safe =
       safe_state_text(live, shown && stored_ ? &*stored_ : nullptr, shown ? newest_safe_ : std::nullopt);
-  data["safe"] = {{"state", safe.state}, {"words", one_line(safe.words, kMaxTextLength)}};
+  data["safe"] = {{"state", safe.state}, {"words", one_line(safe.text, kMaxTextLength)}};
   data["before"] = shown ? before_ : 0;
   data["events"] = nlohmann::json::array();
   if (shown)

@@ -22,7 +22,7 @@ namespace tactbench::bench {
 
 struct SafeStateText {
   std::string state;  // proved | loaded | unknown | none
-  std::string words;
+  std::string text;
 };
 // `newest_safe`: the run's newest event of kind "safe". `live`: null when no process carries the run out.
 SafeStateText safe_state_text(const LiveRun* live, const StoredRun* stored,

@@ -32,9 +32,9 @@ Documents::Documents(std::string db, std::string program)
 
 std::string Documents::path_of(const std::string& id) const { return fmt::format("{}/{}.html", folder_.path(), id); }
 
-void Documents::make(const std::vector<std::string>& words, const std::string& output, Ready ready) {
+void Documents::make(const std::vector<std::string>& arguments, const std::string& output, Ready ready) {
   if (working_.size() >= kAtOnce + kWaiting) return ready({"", "too many documents are being made: try again soon"});
-  working_.push_back({words, output, new_token(), std::move(ready), {}, {}});
+  working_.push_back({arguments, output, new_token(), std::move(ready), {}, {}});
   look();
 }
 
@@ -50,13 +50,13 @@ Document Documents::keep(const std::string& path) {
 
 void Documents::start(Work& work) {
   work.begun = std::chrono::steady_clock::now();
-  std::vector<std::string> words = {program_};
-  words.insert(words.end(), work.words.begin(), work.words.end());
-  words.insert(words.end(), {"--db", db_, work.output, path_of(work.id)});
+  std::vector<std::string> arguments = {program_};
+  arguments.insert(arguments.end(), work.arguments.begin(), work.arguments.end());
+  arguments.insert(arguments.end(), {"--db", db_, work.output, path_of(work.id)});
   const std::string log = path_of(work.id) + ".log";
   try {
     const int output = ::open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-    work.child.emplace(ChildStart{words, environment_with({"NO_COLOR=1"}), output, true});
+    work.child.emplace(ChildStart{arguments, environment_with({"NO_COLOR=1"}), output, true});
   } catch (const std::system_error& error) {
     std::ofstream(log) << "cannot start: " << error.what() << "\n";
   }

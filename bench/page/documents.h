@@ -28,9 +28,9 @@ class Documents {
   Documents(std::string db, std::string program = "/proc/self/exe");
 
   using Ready = std::function<void(const Document&)>;
-  // `words`: the command line without the store and the output file: {"report", "5"}, `output` "-o"; `ready` is called
-  // once, from here or from look(). At most two are made at a time; others wait, up to a limit.
-  void make(const std::vector<std::string>& words, const std::string& output, Ready ready);
+  // `arguments`: the command line without the store and the output file: {"report", "5"}, `output` "-o"; `ready` is
+  // called once, from here or from look(). At most two are made at a time; others wait, up to a limit.
+  void make(const std::vector<std::string>& arguments, const std::string& output, Ready ready);
   // Keeps the present content of an existing file.
   Document keep(const std::string& path);
   void look();  // to be called many times per second
@@ -40,7 +40,7 @@ class Documents {
 
  private:
   struct Work {
-    std::vector<std::string> words;
+    std::vector<std::string> arguments;
     std::string output, id;
     Ready ready;
     std::optional<ChildProgram> child;

@@ -44,8 +44,8 @@ std::optional<analysis::SensorModel> models_of(const db::RunStore& store, std::i
 
 }  // namespace
 
-CompensatedRun::CompensatedRun(analysis::SensorModel model, std::string words)
-    : model_(std::make_unique<analysis::SensorModel>(std::move(model))), words_(std::move(words)) {
+CompensatedRun::CompensatedRun(analysis::SensorModel model, std::string text)
+    : model_(std::make_unique<analysis::SensorModel>(std::move(model))), words_(std::move(text)) {
   stream_.emplace(analysis::frames_of(*model_, 1.0, kLongestGap));
   const std::size_t taxels = stream_->taxels();
   volts_.resize(taxels);
@@ -62,8 +62,8 @@ std::unique_ptr<CompensatedRun> CompensatedRun::of(const db::RunStore& store, co
     try {
       std::optional<analysis::SensorModel> model = models_of(store, other->run);
       if (!model) continue;
-      const std::string words = fmt::format("{} of run {}", analysis::label_of(*model), other->run);
-      return std::unique_ptr<CompensatedRun>(new CompensatedRun(*std::move(model), words));
+      const std::string text = fmt::format("{} of run {}", analysis::label_of(*model), other->run);
+      return std::unique_ptr<CompensatedRun>(new CompensatedRun(*std::move(model), text));
     } catch (const analysis::AnalysisError&) {  // of one taxel, or of another kind: the next older one
     } catch (const std::invalid_argument&) {
     }
@@ -136,7 +136,7 @@ nlohmann::json RunFrames::picture(bool at_peak) const {
         {"target_n", frame.wrench->target_n}, {"wrench", frame.wrench->wrench}, {"place_mm", frame.wrench->place_mm}};
   if (!seen->pressure_psi.empty()) {
     data["psi"] = rounded_all(seen->pressure_psi, 100.0);
-    data["model"] = compensated_->words();
+    data["model"] = compensated_->model_text();
     data["unknown"] =
         std::ranges::count_if(seen->status, [](std::uint16_t one) { return (one & analysis::kTaxelUnknown) != 0; });
   }

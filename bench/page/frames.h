@@ -22,7 +22,7 @@ class CompensatedRun {
   void see(const db::StoredFrame& frame, const std::vector<double>& volts);
   [[nodiscard]] const std::vector<float>& pressure_psi() const { return pressure_; }
   [[nodiscard]] const std::vector<std::uint16_t>& status() const { return status_; }  // TaxelBits
-  [[nodiscard]] const std::string& words() const { return words_; }                   // "elam of run 3"
+  [[nodiscard]] const std::string& model_text() const { return words_; }              // "elam of run 3"
 
  private:
   CompensatedRun(analysis::SensorModel model, std::string words);

@@ -146,13 +146,13 @@ StateChange state_change(const db::RunRecord& run, const db::RunRecord& other) {
       seconds_between(run.started_utc, other.started_utc) + seconds_between(other.started_utc, run.started_utc);
   if (apart > kSameStateSeconds) {
     change.later = true;
-    change.words =
+    change.text =
         fmt::format("it was made {} apart from this one", analysis::counted(std::lround(apart / 86400.0), "day"));
   }
   if (run.origin != "simulated") return change;
-  const auto add = [&](bool StateChange::*what, const std::string& words) {
+  const auto add = [&](bool StateChange::*what, const std::string& text) {
     change.*what = true;
-    if (change.words.empty()) change.words = words;
+    if (change.text.empty()) change.text = text;
   };
   // For a simulated sensor the configuration states these facts.
   const std::optional<BenchConfig> ours = stored_bench(run), theirs = stored_bench(other);
@@ -183,7 +183,7 @@ bool temperature_differs(const db::RunRecord& run, const db::RunRecord& other, c
              analysis::kOtherTemperatureK;
 }
 
-std::string other_state(const db::RunRecord& run, const db::RunRecord& other) { return state_change(run, other).words; }
+std::string other_state(const db::RunRecord& run, const db::RunRecord& other) { return state_change(run, other).text; }
 
 double thermometer_step_c(const db::RunRecord& run) {
   const std::optional<BenchConfig> bench = stored_bench(run);

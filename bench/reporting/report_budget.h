@@ -26,8 +26,8 @@ analysis::HistoryRuns held_out_histories(analysis::Runs& runs, std::int64_t cali
 struct StateChange {
   bool later = false, mounted = false,
        unknown = false;  // later: another day or age; mounted: mounted again; unknown: cannot be determined
-  std::string words;     // the first of these differences as text; empty: none
-  [[nodiscard]] bool any() const { return !words.empty(); }
+  std::string text;      // the first of these differences as text; empty: none
+  [[nodiscard]] bool any() const { return !text.empty(); }
 };
 StateChange state_change(const db::RunRecord& run, const db::RunRecord& other);
 

@@ -63,20 +63,20 @@ PdfProgram find_pdf_program(const std::string& wanted) {
              "apt-get install chromium (or weasyprint), or write --format html and print it from a browser");
 }
 
-std::vector<std::string> words_of(const PdfProgram& program, const fs::path& folder) {
+std::vector<std::string> arguments_of(const PdfProgram& program, const fs::path& folder) {
   const std::string html = (folder / "report.html").string(), pdf = (folder / "report.pdf").string();
   if (!program.browser) return {program.path, html, pdf};
-  std::vector<std::string> words = {program.path,
-                                    "--headless",
-                                    "--disable-gpu",
-                                    "--no-first-run",
-                                    "--disable-dev-shm-usage",
-                                    "--no-pdf-header-footer",
-                                    "--user-data-dir=" + (folder / "profile").string(),
-                                    "--print-to-pdf=" + pdf};
-  if (::geteuid() == 0) words.emplace_back("--no-sandbox");  // the sandbox refuses root
-  words.push_back("file://" + html);
-  return words;
+  std::vector<std::string> arguments = {program.path,
+                                        "--headless",
+                                        "--disable-gpu",
+                                        "--no-first-run",
+                                        "--disable-dev-shm-usage",
+                                        "--no-pdf-header-footer",
+                                        "--user-data-dir=" + (folder / "profile").string(),
+                                        "--print-to-pdf=" + pdf};
+  if (::geteuid() == 0) arguments.emplace_back("--no-sandbox");  // the sandbox refuses root
+  arguments.push_back("file://" + html);
+  return arguments;
 }
 
 std::string digits_of(const std::string& utc) {
@@ -103,11 +103,11 @@ std::string date_variable(const std::string& utc) {
 }
 
 // True when it ended by itself with 0. At the deadline its whole group is killed.
-bool run_to_end(std::vector<std::string> words, const std::string& log, const std::string& utc) {
+bool run_to_end(std::vector<std::string> arguments, const std::string& log, const std::string& utc) {
   const int output = ::open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
   if (output < 0) return false;
   ChildStart start;
-  start.words = std::move(words);
+  start.arguments = std::move(arguments);
   start.environment = environment_with({date_variable(utc)});
   start.output = output;
   try {
@@ -139,7 +139,7 @@ std::string write_pdf(const PdfRequest& request) {
   std::string html = request.html;
   if (const auto at = html.find("</title>"); at != std::string::npos) html.insert(at, ", run " + request.run_uuid);
   write_whole(folder / "report.html", html);
-  const bool done = run_to_end(words_of(program, folder), folder / "log", request.date_utc);
+  const bool done = run_to_end(arguments_of(program, folder), folder / "log", request.date_utc);
   std::string pdf = file_text(folder / "report.pdf");
   if (!done || pdf.compare(0, 5, "%PDF-") != 0) {
     std::string output = file_text(folder / "log");
@@ -168,8 +168,8 @@ class Pdf {
   [[nodiscard]] qpdf_data data() const { return data_.get(); }
 
   [[nodiscard]] qpdf_oh name(const std::string& word) const { return qpdf_oh_new_name(data(), ("/" + word).c_str()); }
-  [[nodiscard]] qpdf_oh text(const std::string& words) const {
-    return qpdf_oh_new_unicode_string(data(), words.c_str());
+  [[nodiscard]] qpdf_oh text(const std::string& arguments) const {
+    return qpdf_oh_new_unicode_string(data(), arguments.c_str());
   }
   [[nodiscard]] qpdf_oh dictionary(const std::vector<std::pair<const char*, qpdf_oh>>& entries) const {
     const qpdf_oh made = qpdf_oh_new_dictionary(data());

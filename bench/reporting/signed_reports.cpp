@@ -75,10 +75,10 @@ std::vector<db::RunRecord> evidence_runs(const db::RunStore& store, const db::Re
 }  // namespace
 
 std::vector<std::string> void_evidence(const db::RunStore& store, const db::ReportRecord& report) {
-  std::vector<std::string> words;
+  std::vector<std::string> sentences;
   for (const db::RunRecord& run : evidence_runs(store, report, nullptr))
-    if (run.is_void()) words.push_back(display_text(analysis::void_of(run)));
-  return words;
+    if (run.is_void()) sentences.push_back(display_text(analysis::void_of(run)));
+  return sentences;
 }
 
 ReportEvidence check_evidence(const db::RunStore& store, const db::ReportRecord& report) {
@@ -247,8 +247,8 @@ int chain_error(X509_STORE* roots, X509* certificate, STACK_OF(X509) * others, s
   return good ? X509_V_OK : X509_STORE_CTX_get_error(context.get());
 }
 
-SignatureFinding finding(std::string state, std::string words, ExitCode code) {
-  return {std::move(state), std::move(words), "", "", code};
+SignatureFinding finding(std::string state, std::string text, ExitCode code) {
+  return {std::move(state), std::move(text), "", "", code};
 }
 SignatureFinding damaged(const std::string& why) {
   return finding("damaged", "DAMAGED: the signature itself " + why, ExitCode::kCriterionFailed);

@@ -70,7 +70,7 @@ struct SignatureFinding {
   // after the signing | invalid then: the certificate was not valid at the time of signing | no root: intact, but no
   // root was given to check the certificate
   std::string state;
-  std::string words;               // explanation for the user
+  std::string text;                // explanation for the user
   std::string signer, signed_utc;  // subject of the certificate; time by the signer's clock; empty: not known
   ExitCode code = ExitCode::kPass;
 };

@@ -120,16 +120,16 @@ std::string turns_of(const sequences::Recipe& recipe) {
     const auto [low, high] = std::ranges::minmax(turns);
     return fmt::format("{} turning points, {}", turns.size(), analysis::both_units_span(low, high));
   }
-  std::vector<std::string> words;
-  for (const double psi : turns) words.push_back(analysis::both_units(psi));
-  return fmt::format("from {}", fmt::join(words, " to "));
+  std::vector<std::string> pressures;
+  for (const double psi : turns) pressures.push_back(analysis::both_units(psi));
+  return fmt::format("from {}", fmt::join(pressures, " to "));
 }
 
 std::string ramps_of(const sequences::Recipe& recipe) {
-  std::string words;
+  std::string text;
   for (const double ramp : recipe.ramp_psi_per_s)
-    words += fmt::format("{}{} a second", words.empty() ? "" : ", ", analysis::both_units(ramp));
-  return words;
+    text += fmt::format("{}{} a second", text.empty() ? "" : ", ", analysis::both_units(ramp));
+  return text;
 }
 
 // A sweep is a branch from one turning point to the next.
@@ -160,39 +160,39 @@ std::string conditioning_of(const sequences::Recipe& recipe) {
 }
 
 std::string sequence_text(const sequences::Recipe& recipe) {
-  std::string words = sweeps_of(recipe);
+  std::string text = sweeps_of(recipe);
   if (recipe.kind == sequences::RecipeKind::kPress)
-    words += fmt::format("; {} at {}, forces of {:g} N", recipe.press.object,
-                         analysis::counted(recipe.press.positions_mm.size(), "place"),
-                         fmt::join(recipe.press.forces_n, ", "));
+    text += fmt::format("; {} at {}, forces of {:g} N", recipe.press.object,
+                        analysis::counted(recipe.press.positions_mm.size(), "place"),
+                        fmt::join(recipe.press.forces_n, ", "));
   else
-    words += fmt::format("; a level every {}, {}", analysis::both_units(recipe.step.value()), turns_of(recipe));
+    text += fmt::format("; a level every {}, {}", analysis::both_units(recipe.step.value()), turns_of(recipe));
   const char* each = recipe.dwell_s.size() > 1 || recipe.ramp_psi_per_s.size() > 1 ? ", one per repeat in turn" : "";
-  words += recipe.settle ? fmt::format("; waiting time (dwell) {:g} s from pressure or force in band to the frame{}",
-                                       fmt::join(recipe.dwell_s, ", "), each)
-                         : fmt::format("; on a ramp of {}{}, frames as it passes the levels", ramps_of(recipe), each);
+  text += recipe.settle ? fmt::format("; waiting time (dwell) {:g} s from pressure or force in band to the frame{}",
+                                      fmt::join(recipe.dwell_s, ", "), each)
+                        : fmt::format("; on a ramp of {}{}, frames as it passes the levels", ramps_of(recipe), each);
   if (recipe.frames_per_level > 1)
-    words += fmt::format("; {} frames {}, {:g} s apart", recipe.frames_per_level,
-                         recipe.frames_at == sequences::FramesAt::kLevels  ? "a level"
-                         : recipe.frames_at == sequences::FramesAt::kTurns ? "at each turning point"
-                                                                           : "at each held level",
-                         recipe.frame_interval_s);
-  return fmt::format("{}; {}{}", words, conditioning_of(recipe), warm_up_of(recipe));
+    text += fmt::format("; {} frames {}, {:g} s apart", recipe.frames_per_level,
+                        recipe.frames_at == sequences::FramesAt::kLevels  ? "a level"
+                        : recipe.frames_at == sequences::FramesAt::kTurns ? "at each turning point"
+                                                                          : "at each held level",
+                        recipe.frame_interval_s);
+  return fmt::format("{}; {}{}", text, conditioning_of(recipe), warm_up_of(recipe));
 }
 
 }  // namespace
 
 std::vector<std::string> method_descriptions(const db::RunRecord& run) {
-  std::vector<std::string> words;
+  std::vector<std::string> descriptions;
   for (const db::SequenceRecord& sequence : run.sequences) {
     try {
-      words.push_back(sequence_text(sequences::parse_recipe(
+      descriptions.push_back(sequence_text(sequences::parse_recipe(
           sequences::TomlDocument::from_text(sequence.recipe_toml, sequence.name), recipe_overrides(run))));
     } catch (const std::exception&) {
-      words.emplace_back();  // of another version, or imported
+      descriptions.emplace_back();  // of another version, or imported
     }
   }
-  return words;
+  return descriptions;
 }
 
 }  // namespace tactbench::bench

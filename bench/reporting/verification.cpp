@@ -29,9 +29,9 @@ class Verification {
     VerifiedResult result{fit.fit, fit.run, fit.model, {}, {}, false, 0};
     if (result.compared = why_not(fit); !result.compared.empty()) return result;
     return compared(result, fit, [&](double tolerance) {
-      const analysis::SensorModel& anew = recomputed(fit);
-      result.rows = anew.taxels.size();
-      return analysis::first_difference(fit.document, analysis::to_line(anew), tolerance);
+      const analysis::SensorModel& repeated = recomputed(fit);
+      result.rows = repeated.taxels.size();
+      return analysis::first_difference(fit.document, analysis::to_line(repeated), tolerance);
     });
   }
 
@@ -65,10 +65,10 @@ class Verification {
       analysis::Evidence evidence =
           gather_evidence(runs_, models, {{"", analysis::evaluate(runs_.dataset(run_), models)}}, limits, true);
       const auto differs = [&](bool with_u) {
-        std::vector<db::VerdictRecord> anew;
+        std::vector<db::VerdictRecord> repeated;
         for (const analysis::JudgedFigure& figure : judge(evidence, limits).figures)
-          anew.push_back(analysis::record_of(figure, toml));
-        return analysis::first_difference(verdicts, anew, tolerance, with_u);
+          repeated.push_back(analysis::record_of(figure, toml));
+        return analysis::first_difference(verdicts, repeated, tolerance, with_u);
       };
       std::string difference = differs(true);
       if (difference.empty()) return difference;
@@ -204,7 +204,7 @@ class Verification {
 RunVerification verify_run(const db::RunStore& store, std::int64_t run) {
   RunVerification verified;
   verified.content = store.check_content(run);
-  verified.beside = store.check_seals(run);
+  verified.changed_records = store.check_seals(run);
   verified.first_difference = verified.content.difference;
   if (!verified.content.holds()) return verified;
   Verification verification(store, run);
@@ -225,8 +225,8 @@ RunVerification verify_run(const db::RunStore& store, std::int64_t run) {
     verified.first_difference =
         fmt::format("{}: {}", differing->what == "verdicts" ? "verdicts" : fmt::format("fit {}", differing->fit),
                     differing->difference);
-  } else if (!verified.beside.empty()) {
-    verified.first_difference = verified.beside.front();
+  } else if (!verified.changed_records.empty()) {
+    verified.first_difference = verified.changed_records.front();
   }
   return verified;
 }

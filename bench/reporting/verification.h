@@ -20,7 +20,8 @@ struct VerifiedResult {
 
 struct RunVerification {
   db::ContentCheck content;
-  std::vector<std::string> beside;      // changed records outside the content hash: fits, verdicts, approvals, voids
+  std::vector<std::string>
+      changed_records;                  // changed records outside the content hash: fits, verdicts, approvals, voids
   std::vector<VerifiedResult> results;  // empty if the content has changed
   std::string first_difference;         // empty: everything present is as stored (content.pruned: frames were removed)
 };

@@ -216,7 +216,7 @@ std::vector<std::string> Rig::take_busy_report() const {
   for (const auto& link : environment_) links.push_back(link.get());
   std::vector<std::string> all;
   for (const devices::ModbusLink* link : links) {
-    if (std::string words = link->take_busy_report(); !words.empty()) all.push_back(std::move(words));
+    if (std::string text = link->take_busy_report(); !text.empty()) all.push_back(std::move(text));
   }
   return all;
 }

@@ -236,7 +236,7 @@ class RunLifecycle {
       result_.error = error->with_rig_state(result_.error_state.in(analysis::PressureUnit::kPsi), safe)
                           .with_remedy(path_to_branch.value_or(error->remedy()));
     }
-    notify_.tell(ending_.error() ? "failed" : "done", result_.run, reason);
+    notify_.run_command(ending_.error() ? "failed" : "done", result_.run, reason);
   }
 
   // The rig is safe, so the lock of another program is waited for; not long where something else has ended the run.

@@ -332,7 +332,7 @@ void Conductor::pause(const std::string& why) {
   set_state(RunState::kPaused, why);
   board_.note(fmt::format("run {} is paused, vented: `tactbench resume {}` continues, `tactbench stop {}` ends it",
                           status_.run, status_.run, status_.run));
-  notify_.tell("waiting", status_.run, "paused: " + why);
+  notify_.run_command("waiting", status_.run, "paused: " + why);
   wait_for_resume();
 }
 
@@ -385,7 +385,7 @@ void Conductor::suspend(const Suspended& suspended) {
   status_.phase = "waiting, vented: " + suspended.what;
   publish();
   board_.note(fmt::format("run {} waits, vented: {}", status_.run, suspended.what));
-  notify_.tell("waiting", status_.run, suspended.what);
+  notify_.run_command("waiting", status_.run, suspended.what);
   (void)sequencer_.times().start(Spent::kWaiting);
   Rig& rig = sequencer_.rig();
   const Nanoseconds start = rig.clock().now();
@@ -421,15 +421,15 @@ void Conductor::prompt(const sequences::Step& step) {
   set_state(RunState::kPaused, "operator: " + step.text);
   board_.note(fmt::format("{}\n  when done: {}`tactbench resume {}`", step.text, terminal ? "press Enter, or " : "",
                           status_.run));
-  notify_.tell("waiting", status_.run, step.text);
+  notify_.run_command("waiting", status_.run, step.text);
   (void)sequencer_.times().start(Spent::kWaiting);
   std::optional<GivenAnswer> answer;
   while (!answer) {
     sequencer_.idle();
     (void)control_.consume_resume();  // an answer, too
     if (terminal && line_typed()) {
-      const Control::Answer told = control_.answer(question, {}, kByTerminal);
-      if (!told.taken) board_.note(told.text);
+      const Control::Answer answer = control_.answer(question, {}, kByTerminal);
+      if (!answer.taken) board_.note(answer.text);
     }
     answer = control_.answer_to(question);
   }

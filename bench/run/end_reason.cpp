@@ -95,9 +95,9 @@ std::string conditioning_text(const Step& step, const Recipe& recipe) {
 
 // With a frame: where the run is in its plan.
 std::string level_text(const Step& step, const Recipe& recipe, int number, int steps, bool rising) {
-  std::string words = fmt::format("{}, step {} of {}", recipe.name, number, steps);
-  if (recipe.repeats > 1) words += fmt::format(", repeat {} of {}", step.repeat + 1, recipe.repeats);
-  return words + (rising ? ", loading" : ", unloading");
+  std::string text = fmt::format("{}, step {} of {}", recipe.name, number, steps);
+  if (recipe.repeats > 1) text += fmt::format(", repeat {} of {}", step.repeat + 1, recipe.repeats);
+  return text + (rising ? ", loading" : ", unloading");
 }
 
 }  // namespace

@@ -202,7 +202,7 @@ void record_notices(Rig& rig, Recorder& recorder, Progress& progress) {
     recorder.event(kind, news.id, news.what);
     progress.note(notice_text(news));
   };
-  for (const std::string& words : rig.take_busy_report()) record("warning", {"TB-MODBUS-BUSY", words});
+  for (const std::string& text : rig.take_busy_report()) record("warning", {"TB-MODBUS-BUSY", text});
   if (rig.dead_man() == nullptr) return;
   for (const DeadManNotice& news : rig.dead_man()->take_notices()) record("dead-man", news);
 }

@@ -48,7 +48,7 @@ class Recorder {
   // Called between two attempts while the store is locked, with the error and the seconds waited so far. It may throw;
   // false: the work continues, and the queue is written later. Without a handler the recorder waits 5 s.
   using OnLockRetry = std::function<bool(const db::StoreError& locked, double waited_s)>;
-  void when_locked(OnLockRetry bear) { on_lock_retry_ = std::move(bear); }
+  void when_locked(OnLockRetry handler) { on_lock_retry_ = std::move(handler); }
   // Executes `job`, one transaction of the store, after the queue. A job that found the store locked is repeated
   // unchanged, possibly after this has returned or thrown.
   void write(std::function<void()> job);

@@ -87,7 +87,7 @@ struct Witness {
   [[nodiscard]] bool settled(Nanoseconds now) const {
     return proves() || failures == kTries || (doubted_since && !warns() && now - *doubted_since > seconds(patience_s));
   }
-  void tell(analysis::PressureText& text) const {
+  void append_to(analysis::PressureText& text) const {
     text += name;
     if (!psi) {
       text += " could not be read";
@@ -168,11 +168,11 @@ SafeProof prove(Rig& rig, const UnloadedFrame& baseline) {
   }
   std::vector<Witness> witnesses = witnesses_of(rig);
   watch_pressure_fall(rig, witnesses, ordered);
-  analysis::PressureText told;
+  analysis::PressureText proved;
   std::vector<const char*> doubted;
   for (const Witness& witness : witnesses) {
-    if (&witness != &witnesses.front()) told += ", ";
-    witness.tell(told);
+    if (&witness != &witnesses.front()) proved += ", ";
+    witness.append_to(proved);
     if (!witness.psi || !witness.doubt.empty()) doubted.push_back(witness.name);
   }
   auto below = std::ranges::count_if(witnesses, &Witness::proves);
@@ -181,7 +181,7 @@ SafeProof prove(Rig& rig, const UnloadedFrame& baseline) {
     const std::optional<bool> is_unloaded =
         ordered && !above ? array_back(rig, baseline) : array_is_unloaded(rig, baseline);
     if (is_unloaded) {
-      told += *is_unloaded ? ", tactile array back at its unloaded baseline" : ", tactile array still loaded";
+      proved += *is_unloaded ? ", tactile array back at its unloaded baseline" : ", tactile array still loaded";
       below += *is_unloaded ? 1 : 0;
       above = above || !*is_unloaded;
     }
@@ -199,7 +199,7 @@ SafeProof prove(Rig& rig, const UnloadedFrame& baseline) {
   const std::string order =
       ordered ? "" : "the pressure source did not accept the command: " + when_source_is_lost(config) + "; ";
   proof.text = fmt::format("{} ({}", head, order);
-  proof.text.add(told) += ")";
+  proof.text.add(proved) += ")";
   if (!verified) proof.text += "; read a hand gauge before the chamber is opened";
   if (!verified && !doubted.empty())
     proof.text += fmt::format(", then check supply and wiring of {}", fmt::join(doubted, " and "));

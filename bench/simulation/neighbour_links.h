@@ -14,7 +14,7 @@ class NeighbourLinks {
  public:
   // `beside`, `corner`: the mean share of a link in row or column, and of a diagonal one; each link differs from it by
   // up to half. `stream`: of the sensor's seed.
-  NeighbourLinks(const SpecimenOptions& options, std::uint64_t stream, double beside, double corner);
+  NeighbourLinks(const SpecimenOptions& options, std::uint64_t stream, double side, double corner);
   // Moves the values of neighbours toward each other.
   void couple(std::span<double> values) const;
 

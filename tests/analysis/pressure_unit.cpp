@@ -48,8 +48,8 @@ TEST_CASE("PressureUnit: conversion follows the definition, and rounding is as f
        {std::tuple{0, 0, 1}, std::tuple{1, 1, 2}, std::tuple{2, 1, 3}, std::tuple{3, 2, 4}}) {
     CHECK((kKpa.digits(in_psi) == in_kpa && kBar.digits(in_psi) == in_bar && kPsi.digits(in_psi) == in_psi));
   }
-  CHECK(kKpa.beside() == kPsi);
-  CHECK(kPsi.beside() == kKpa);
+  CHECK(kKpa.other() == kPsi);
+  CHECK(kPsi.other() == kKpa);
 }
 
 TEST_CASE("PressureUnit: spans and values are printed in one unit, or in both with psi first") {

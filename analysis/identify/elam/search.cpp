@@ -295,7 +295,7 @@ std::vector<std::size_t> minima_of(std::span<const Value> line) {
 }
 
 // The intervals on both sides of the first `most` of these places.
-std::vector<std::size_t> beside(std::span<const std::size_t> places, std::size_t most, std::size_t size) {
+std::vector<std::size_t> neighbours_of(std::span<const std::size_t> places, std::size_t most, std::size_t size) {
   std::vector<std::size_t> intervals;
   for (const std::size_t i : places.first(std::min(places.size(), most))) {
     if (i > 0 && std::ranges::find(intervals, i - 1) == intervals.end()) intervals.push_back(i - 1);
@@ -308,7 +308,7 @@ std::vector<Value> ends_of_lines(AscendingSearch& search, const LaneProblem& pro
   std::vector<Value> line = first_line(search, problem);
   const auto least = [&](std::size_t i) { return std::min(line[i].j, line[i + 1].j); };
   const double promising = (1.0 + kPromising) * std::ranges::min_element(line, {}, &Value::j)->j;
-  std::vector<std::size_t> intervals = beside(minima_of(line), kFirstMinima, line.size());
+  std::vector<std::size_t> intervals = neighbours_of(minima_of(line), kFirstMinima, line.size());
   std::vector<std::size_t> others;
   for (std::size_t i = 0; i + 1 < line.size(); ++i)
     if (least(i) <= promising && std::ranges::find(intervals, i) == intervals.end()) others.push_back(i);
@@ -316,7 +316,7 @@ std::vector<Value> ends_of_lines(AscendingSearch& search, const LaneProblem& pro
   intervals.insert(intervals.end(), others.begin(), others.end());
   intervals.resize(std::min(intervals.size(), kIntervals));
   refine(search, line, intervals, kInside);
-  intervals = beside(minima_of(line), kMinima, line.size());
+  intervals = neighbours_of(minima_of(line), kMinima, line.size());
   refine(search, line, intervals, kInsideAgain);
   std::vector<Value> ends;
   for (const std::size_t i : minima_of(line)) ends.push_back(line[i]);

@@ -102,8 +102,8 @@ std::string traceability_json(const ReportInput& input) {
 
 std::vector<std::string> instrument_warnings(const ReportInput& input) {
   std::vector<std::string> out;
-  const auto add = [&](const std::string& words) {
-    if (std::ranges::find(out, words) == out.end()) out.push_back(words);
+  const auto add = [&](const std::string& text) {
+    if (std::ranges::find(out, text) == out.end()) out.push_back(text);
   };
   for (const auto& [name, run] : runs_of(input)) {
     const auto beyond = reference_uncertainty(*run, input.laboratory.instruments).beyond;

@@ -36,18 +36,18 @@ Text stated_text(const std::string& untrusted) {
 }
 
 // dcc:content
-Markup english(const std::string& words) {
-  return markup("<dcc:content lang=\"{}\">{}</dcc:content>", Text(kLanguage), stated_text(words));
+Markup english(const std::string& text) {
+  return markup("<dcc:content lang=\"{}\">{}</dcc:content>", Text(kLanguage), stated_text(text));
 }
 
 // dcc:name in English
-Markup name_of(const std::string& words) { return markup("<dcc:name>{}</dcc:name>", english(words)); }
+Markup name_of(const std::string& text) { return markup("<dcc:name>{}</dcc:name>", english(text)); }
 
 // dcc:description in English
-Markup described(const std::string& words) { return markup("<dcc:description>{}</dcc:description>", english(words)); }
+Markup described(const std::string& text) { return markup("<dcc:description>{}</dcc:description>", english(text)); }
 
 // dcc:declaration in English
-Markup declared(const std::string& words) { return markup("<dcc:declaration>{}</dcc:declaration>", english(words)); }
+Markup declared(const std::string& text) { return markup("<dcc:declaration>{}</dcc:declaration>", english(text)); }
 
 // dcc:name of a person, firm, instrument
 Markup typed_name(const std::string& untrusted) {
@@ -115,24 +115,24 @@ Markup conformity(const Judgement& judgement, std::optional<Verdict> verdict, co
                           : judgement.not_judged ? "not judged: " + display_text(*judgement.not_judged, kUnit)
                           : verdict              ? std::string(to_string(*verdict)) + ": conformity is not stated"
                                                  : "not judged: no tolerance limits were given";
-  const std::string words = said.empty() ? why : why.empty() ? said : why + ". " + said;
+  const std::string text = said.empty() ? why : why.empty() ? said : why + ". " + said;
   Markup out;
-  if (!words.empty()) out += declared(words);
+  if (!text.empty()) out += declared(text);
   if (*word != '\0') out += markup("<dcc:conformity>{}</dcc:conformity>", Text(word));
   return out;
 }
 
-Markup method(const char* name, const std::string& words, const char* norm, const char* ref_type) {
+Markup method(const char* name, const std::string& text, const char* norm, const char* ref_type) {
   return markup("<dcc:usedMethod refType=\"{}\">{}{}{}</dcc:usedMethod>\n", Text(ref_type), name_of(name),
-                described(words), *norm == '\0' ? Markup() : markup("<dcc:norm>{}</dcc:norm>", Text(norm)));
+                described(text), *norm == '\0' ? Markup() : markup("<dcc:norm>{}</dcc:norm>", Text(norm)));
 }
 
 Markup calibration_method(const ReportInput& input) {
-  std::string words = "The whole array under one gas pressure in a chamber, together with the pressure reference.";
+  std::string text = "The whole array under one gas pressure in a chamber, together with the pressure reference.";
   for (const std::string& sequence : input.method)
-    if (!sequence.empty()) words += " " + sequence + ".";
-  if (!input.laboratory.deviations.empty()) words += " Deviations: " + input.laboratory.deviations;
-  return method("Comparison with a pressure reference", words, "", "basic_calibrationMethod");
+    if (!sequence.empty()) text += " " + sequence + ".";
+  if (!input.laboratory.deviations.empty()) text += " Deviations: " + input.laboratory.deviations;
+  return method("Comparison with a pressure reference", text, "", "basic_calibrationMethod");
 }
 
 Markup in_date(DueState state) {
@@ -168,7 +168,7 @@ Markup condition(const char* name, const Markup& status, const Markup& data) {
                 data);
 }
 
-Markup text_data(const std::string& words) { return markup("<dcc:text>{}</dcc:text>", english(words)); }
+Markup text_data(const std::string& text) { return markup("<dcc:text>{}</dcc:text>", english(text)); }
 
 Markup conditions(const ReportInput& input, const char* status) {
   Markup out, state;

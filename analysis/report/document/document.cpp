@@ -114,7 +114,7 @@ std::string text_of(const Quantity& quantity, PressureUnit unit) {
     return named ? text + "\u00A0" + shown.symbol() : text;
   };
   if (!std::isfinite(quantity.value)) return "–";
-  return quantity.unit == Quantity::Unit::kBoth ? in(unit) + " (" + in(unit.beside()) + ")" : in(unit);
+  return quantity.unit == Quantity::Unit::kBoth ? in(unit) + " (" + in(unit.other()) + ")" : in(unit);
 }
 
 std::string text_of(const Phrase& phrase, PressureUnit unit) {
@@ -249,7 +249,7 @@ class HtmlPrinter {
     static constexpr const char* kClasses[] = {"", " class=\"note\"", " class=\"large\""};
     Markup out;
     out.value = fmt::format("<p{}>", kClasses[paragraph.kind]);
-    out += phrase(paragraph.words);
+    out += phrase(paragraph.text);
     out += markup("</p>\n");
     return out;
   }
@@ -276,11 +276,11 @@ class HtmlPrinter {
     out += markup("</figure>\n");
     return out;
   }
-  Markup operator()(const SideBySide& beside) const {
-    Markup out = markup("<div class=\"beside{}\">\n", Attribute(beside.ruled ? " ruled" : ""));
-    for (std::size_t i = 0; i < beside.parts.size(); ++i)
-      out += markup("<div style=\"flex:{} 1 0\">\n{}</div>\n", i < beside.shares.size() ? beside.shares[i] : 1,
-                    document(beside.parts[i]));
+  Markup operator()(const SideBySide& blocks) const {
+    Markup out = markup("<div class=\"beside{}\">\n", Attribute(blocks.ruled ? " ruled" : ""));
+    for (std::size_t i = 0; i < blocks.parts.size(); ++i)
+      out += markup("<div style=\"flex:{} 1 0\">\n{}</div>\n", i < blocks.shares.size() ? blocks.shares[i] : 1,
+                    document(blocks.parts[i]));
     out += markup("</div>\n");
     return out;
   }
@@ -363,7 +363,7 @@ class TextPrinter {
   TextPrinter(PressureUnit unit, std::size_t width) : unit_(unit), width_(width) {}
 
   std::string operator()(const Heading& heading) const { return lines_of(heading.text) + "\n"; }
-  std::string operator()(const Paragraph& paragraph) const { return lines_of(text_of(paragraph.words, unit_)); }
+  std::string operator()(const Paragraph& paragraph) const { return lines_of(text_of(paragraph.text, unit_)); }
   std::string operator()(const List& list) const {
     std::string out;
     for (const Phrase& item : list.items) out += lines_of("- " + text_of(item, unit_));
@@ -373,7 +373,7 @@ class TextPrinter {
     return (table.caption.empty() ? "" : table.caption + "\n") + grid(table);
   }
   std::string operator()(const Drawing& figure) const { return lines_of("[" + figure.title + "]"); }
-  std::string operator()(const SideBySide& beside) const { return all_of(beside.parts); }
+  std::string operator()(const SideBySide& blocks) const { return all_of(blocks.parts); }
   std::string operator()(const VerdictBox& framed) const { return all_of(framed.parts); }
   std::string operator()(const PageBreak&) const { return {}; }
 

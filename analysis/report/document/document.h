@@ -61,7 +61,7 @@ class Phrase {
   Phrase& add(const Phrase& more);
   Phrase& add(std::string text);
   Phrase& add(const char* text);
-  Phrase& add(StyledText words);
+  Phrase& add(StyledText text);
   Phrase& add(Quantity quantity);
   Phrase& add(Taxel taxel);
   Phrase& add(Verdict verdict);
@@ -96,7 +96,7 @@ struct Heading {
 
 struct Paragraph {
   enum Kind { kBody, kNote, kLarge };
-  Phrase words;
+  Phrase text;
   Kind kind = kBody;
 };
 

@@ -82,14 +82,14 @@ doc::VerdictBox yield_part(const std::vector<ReportInput>& sensors, const std::v
   }
   std::string list;
   for (const auto& [word, number] : verdicts) list += fmt::format("{}{} {}", list.empty() ? "" : ", ", number, word);
-  Document words, counts;
+  Document text, counts;
   if (with_limits == 0) {
-    words.add(doc::Paragraph{{"No yield"}, doc::Paragraph::kLarge});
-    words.add(doc::Paragraph{{"No tolerance limits were given."}});
+    text.add(doc::Paragraph{{"No yield"}, doc::Paragraph::kLarge});
+    text.add(doc::Paragraph{{"No tolerance limits were given."}});
   } else {
-    words.add(
+    text.add(
         doc::Paragraph{{fmt::format("{} of {} passed", good, counted(with_limits, "sensor"))}, doc::Paragraph::kLarge});
-    words.add(doc::Paragraph{
+    text.add(doc::Paragraph{
         {"Yield ", doc::percent_of(static_cast<double>(good) / with_limits, 1), " %, conditional passes included."}});
   }
   doc::Table table = doc::pairs(
@@ -99,7 +99,7 @@ doc::VerdictBox yield_part(const std::vector<ReportInput>& sensors, const std::v
                  left_out.empty() ? std::string("none") : fmt::format("{}", fmt::join(left_out, "; "))}});
   table.dense = true;
   counts.add(std::move(table));
-  return {worst ? doc::style_of(*worst) : doc::TextStyle::kDoubt, {words, counts}};
+  return {worst ? doc::style_of(*worst) : doc::TextStyle::kDoubt, {text, counts}};
 }
 
 std::string outlying_figures(const std::vector<BatchColumn>& columns, std::size_t run) {
@@ -325,7 +325,7 @@ doc::Table who_table(const ReportInput& a, const ReportInput& b) {
 }
 
 // One line about the change: the error if both runs have one, else the loops before correction.
-Phrase change_in_words(const ReportInput& a, const ReportInput& b) {
+Phrase change_text(const ReportInput& a, const ReportInput& b) {
   const bool models = !a.evaluation.levels.empty() && !b.evaluation.levels.empty();
   const bool refound = models && same_sensor(a, b) && !a.held_out.empty();
   if (models) {
@@ -341,8 +341,8 @@ Phrase change_in_words(const ReportInput& a, const ReportInput& b) {
 // The verdicts of both runs; the frame is that of the second.
 doc::VerdictBox verdicts(const ReportInput& a, const ReportInput& b) {
   const bool stated = states_conformity(b.judgement.overall) && !b.judgement.not_judged;
-  Document words;
-  words.add(doc::Paragraph{change_in_words(a, b), doc::Paragraph::kLarge});
+  Document text;
+  text.add(doc::Paragraph{change_text(a, b), doc::Paragraph::kLarge});
   doc::Table table{.id = "verdicts",
                    .caption = "Verdicts",
                    .columns = {{"run"}, {"sensor"}, {"measured"}, {"verdict"}},
@@ -354,7 +354,7 @@ doc::VerdictBox verdicts(const ReportInput& a, const ReportInput& b) {
           date_of(own->run.started_utc), overall_phrase(*own, "no tolerance limits were given")}});
   Document right;
   right.add(std::move(table));
-  return {stated ? doc::style_of(*b.judgement.overall) : doc::TextStyle::kDoubt, {words, right}};
+  return {stated ? doc::style_of(*b.judgement.overall) : doc::TextStyle::kDoubt, {text, right}};
 }
 
 doc::Table figures_table(const ReportInput& a, const ReportInput& b) {
@@ -455,12 +455,12 @@ doc::Table health_changes(const ReportInput& a, const ReportInput& b) {
   };
   const auto before = states(a), after = states(b);
   const auto list = [&](const auto& from, const auto& without) {
-    std::string words;
+    std::string text;
     for (const auto& one : from)
       if (!without.contains(one))
-        words += fmt::format("{}{} ({})", words.empty() ? "" : ", ", one.second,
-                             doc::text_of(Phrase(doc::Taxel{one.first, a.health.columns}), {}));
-    return words.empty() ? std::string("none") : words;
+        text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", one.second,
+                            doc::text_of(Phrase(doc::Taxel{one.first, a.health.columns}), {}));
+    return text.empty() ? std::string("none") : text;
   };
   return doc::pairs("Findings on taxels",
                     {{"only in the first run", list(before, after)}, {"only in the second run", list(after, before)}});

@@ -225,8 +225,8 @@ class ChartDrawing {
       return kLetterWidth * static_cast<double>(letters);
     };
     x_.from = (chart_.y.label.empty() ? 4.0 : 17.0) + widest(y_.ticks(wanted_up()), 1.0) + 6.0;
-    x_.to = chart_.width - (chart_.x.beside.empty() ? 8.0 : 18.0);  // half of the last tick's label
-    if (!chart_.y.beside.empty())
+    x_.to = chart_.width - (chart_.x.second_unit.empty() ? 8.0 : 18.0);  // half of the last tick's label
+    if (!chart_.y.second_unit.empty())
       x_.to = chart_.width - 22.0 - widest(second_axis_ticks(y_, chart_.y, wanted_up()), 1.0);
     if (chart_.labels_at_ends) {
       std::size_t letters = 0;
@@ -235,7 +235,8 @@ class ChartDrawing {
     }
     const bool stretched = !chart_.stretches.empty();
     y_.to = kTop + (chart_.heading.empty() ? 0.0 : 10.0) + (stretched ? 12.0 : 0.0);
-    y_.from = chart_.height - 16.0 - (chart_.x.beside.empty() ? 0.0 : 12.0) - (chart_.x.label.empty() ? 0.0 : 14.0);
+    y_.from =
+        chart_.height - 16.0 - (chart_.x.second_unit.empty() ? 0.0 : 12.0) - (chart_.x.label.empty() ? 0.0 : 14.0);
   }
   [[nodiscard]] int wanted_up() const { return chart_.height < 150 ? 4 : 7; }
   [[nodiscard]] int wanted_along() const { return x_.to - x_.from < 200 ? 4 : 6; }
@@ -258,14 +259,14 @@ class ChartDrawing {
                     CssNumber(x_.at(tick), 1), bottom, CssNumber(y_.from + 13, 1),
                     Text(fixed_text(tick, decimals_of(xs))));
     double below = y_.from + 13;
-    if (!chart_.x.beside.empty()) {
+    if (!chart_.x.second_unit.empty()) {
       below += 12.0;
       const auto ticks = second_axis_ticks(x_, chart_.x, wanted_along());
       for (const double tick : ticks) {
         const bool last = tick == ticks.back();
         out += markup("<text class=\"mid quiet\" x=\"{}\" y=\"{}\">{}{}</text>",
                       CssNumber(x_.at(tick / chart_.x.second_unit_factor), 1), CssNumber(below, 1),
-                      Text(fixed_text(tick, decimals_of(ticks))), Text(last ? "\u00A0" + chart_.x.beside : ""));
+                      Text(fixed_text(tick, decimals_of(ticks))), Text(last ? "\u00A0" + chart_.x.second_unit : ""));
       }
     }
     if (!chart_.x.label.empty())
@@ -276,7 +277,7 @@ class ChartDrawing {
       out += markup("<text class=\"mid\" transform=\"translate(10 {}) rotate(-90)\">{}</text>", middle,
                     Text(chart_.y.label));
     out += markup("<path class=\"axis\" d=\"M{} {}V{}H{}\"/>", left, top, bottom, right);
-    if (chart_.y.beside.empty()) return out;
+    if (chart_.y.second_unit.empty()) return out;
     const auto ticks = second_axis_ticks(y_, chart_.y, wanted_up());
     for (const double tick : ticks)
       out += markup("<path class=\"axis\" d=\"M{} {}h3\"/><text x=\"{}\" y=\"{}\">{}</text>", right,
@@ -286,7 +287,7 @@ class ChartDrawing {
     out += markup(
         "<path class=\"axis\" d=\"M{} {}V{}\"/><text class=\"mid\" transform=\"translate({} {}) "
         "rotate(-90)\">{}</text>",
-        right, top, bottom, CssNumber(chart_.width - 3, 1), middle, Text(chart_.y.beside));
+        right, top, bottom, CssNumber(chart_.width - 3, 1), middle, Text(chart_.y.second_unit));
     return out;
   }
 

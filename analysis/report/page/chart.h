@@ -52,7 +52,7 @@ struct Axis {
   std::string label = {};
   std::optional<double> low = {}, high = {};  // else from the data
   bool logarithmic = false;
-  std::string beside = {};          // name of the second unit; empty: none
+  std::string second_unit = {};     // name of the second unit; empty: none
   double second_unit_factor = 1.0;  // value x factor
 };
 

@@ -155,18 +155,18 @@ doc::Table found_and_left(const PageData& data) {
 }
 
 std::string findings(const Health& health) {
-  std::string words;
+  std::string text;
   std::size_t listed = 0;
   for (const TaxelHealth& finding : health.findings)
     if (++listed <= kFindingsListed)
-      words += fmt::format("{}{} {}", words.empty() ? "" : "; ",
-                           doc::text_of(Phrase(doc::Taxel{finding.taxel, health.columns}), {}), finding.state);
-  if (listed > kFindingsListed) words += fmt::format("; and {} more", listed - kFindingsListed);
+      text += fmt::format("{}{} {}", text.empty() ? "" : "; ",
+                          doc::text_of(Phrase(doc::Taxel{finding.taxel, health.columns}), {}), finding.state);
+  if (listed > kFindingsListed) text += fmt::format("; and {} more", listed - kFindingsListed);
   for (const SwappedLines& swap : health.swaps)
-    words += fmt::format("{}{} {} and {} swapped", words.empty() ? "" : "; ", swap.rows ? "rows" : "columns",
-                         swap.first, swap.second);
-  if (words.empty()) words = "no taxel dead, stuck, saturated, noisy or without a model";
-  return words +
+    text += fmt::format("{}{} {} and {} swapped", text.empty() ? "" : "; ", swap.rows ? "rows" : "columns", swap.first,
+                        swap.second);
+  if (text.empty()) text = "no taxel dead, stuck, saturated, noisy or without a model";
+  return text +
          (health.swaps_assessed ? "." : "; swapped rows or columns were not assessed: no earlier seating is known.");
 }
 
@@ -256,7 +256,7 @@ doc::Table levels_table(const ReadingFigures& readings, int columns, PressureUni
   for (const ReadingLevel& level : readings.levels) pressures.insert(level.pressure_psi);
   doc::Table table{.id = "levels",
                    .caption = fmt::format("All errors and U in {}", unit.symbol()),
-                   .columns = {{unit.symbol(), true}, {unit.beside().symbol(), true}},
+                   .columns = {{unit.symbol(), true}, {unit.other().symbol(), true}},
                    .dense = true,
                    .keep = pressures.size() < 40};
   for (const bool up : {true, false})
@@ -264,7 +264,7 @@ doc::Table levels_table(const ReadingFigures& readings, int columns, PressureUni
          {"median\nerror", "median\nU", "95 % of taxels\n|error| + U", "worst taxel\n|error| + U", "which"})
       table.columns.push_back({direction_title(up, name), true});
   for (const double psi : pressures) {
-    doc::Row row{{doc::bare_pressure(psi), Phrase(doc::quiet(doc::text_of(doc::bare_pressure(psi), unit.beside())))}};
+    doc::Row row{{doc::bare_pressure(psi), Phrase(doc::quiet(doc::text_of(doc::bare_pressure(psi), unit.other())))}};
     for (const bool up : {true, false}) add_direction(readings, psi, up, columns, row);
     table.rows.push_back(std::move(row));
   }

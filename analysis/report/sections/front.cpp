@@ -77,7 +77,7 @@ Phrase decided_text(const ReportInput& input, const JudgedFigure& figure, Pressu
 Document verdict_names(const ReportInput& input, PressureUnit unit) {
   const Judgement& judgement = input.judgement;
   Document out;
-  const auto large = [&](const std::string& words) { out.add(doc::Paragraph{{words}, doc::Paragraph::kLarge}); };
+  const auto large = [&](const std::string& text) { out.add(doc::Paragraph{{text}, doc::Paragraph::kLarge}); };
   const auto met =
       std::ranges::count_if(judgement.figures, [](const JudgedFigure& own) { return passes(own.verdict); });
   const auto all = std::ssize(judgement.figures);
@@ -104,8 +104,8 @@ Document verdict_names(const ReportInput& input, PressureUnit unit) {
     if (passes(overall) && !judgement.not_assessed.empty())
       out.add(doc::Paragraph{{doc::quiet("Under repeatability conditions only.")}});
   }
-  const auto warn = [&](const std::string& words) {
-    out.add(doc::Paragraph{{doc::StyledText{"▲ " + words + ".", doc::TextStyle::kDoubt}}});
+  const auto warn = [&](const std::string& text) {
+    out.add(doc::Paragraph{{doc::StyledText{"▲ " + text + ".", doc::TextStyle::kDoubt}}});
   };
   if (const auto worst = std::ranges::max_element(judgement.stored_worse, {}, &JudgedFigure::verdict);
       worst != judgement.stored_worse.end())
@@ -279,10 +279,10 @@ std::string span_text(const MeasuringInterval& span, PressureUnit unit) {
   return fmt::format("{} to {} {}", whole(span.low_psi), whole(span.high_psi), unit.symbol());
 }
 
-std::string title_case(std::string words) {
-  if (!words.empty() && words.front() >= 'a' && words.front() <= 'z')
-    words.front() = static_cast<char>(words.front() - 'a' + 'A');
-  return words;
+std::string title_case(std::string text) {
+  if (!text.empty() && text.front() >= 'a' && text.front() <= 'z')
+    text.front() = static_cast<char>(text.front() - 'a' + 'A');
+  return text;
 }
 
 namespace {
@@ -301,14 +301,14 @@ Chart panel(const ReadingFigures& readings, bool up, PressureUnit unit) {
       .heading = up ? "Increasing pressure" : "Decreasing pressure",
       .width = up ? 336.0 : 344.0,
       .height = 256.0,
-      .x = {fmt::format("reference pressure (gauge) in {}, below it in {}", unit.symbol(), unit.beside().symbol()), 0.0,
+      .x = {fmt::format("reference pressure (gauge) in {}, below it in {}", unit.symbol(), unit.other().symbol()), 0.0,
             unit.of(readings.full_psi)},
       .y = {up ? fmt::format("error of a reading in {}", unit.symbol()) : "", -most, most},
       .heading_stroke = stroke};
-  chart.x.beside = unit.beside().symbol();
-  chart.x.second_unit_factor = unit.beside().of(1.0) / unit.of(1.0);
+  chart.x.second_unit = unit.other().symbol();
+  chart.x.second_unit_factor = unit.other().of(1.0) / unit.of(1.0);
   if (!up) {
-    chart.y.beside = "% of full pressure";
+    chart.y.second_unit = "% of full pressure";
     chart.y.second_unit_factor = 100.0 / unit.of(readings.full_psi);
   }
   Band spread{

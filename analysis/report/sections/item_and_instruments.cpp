@@ -89,18 +89,18 @@ doc::Drawing counting(const Health& health) {
 }
 
 std::string surroundings_of(const ReportInput& input) {
-  std::string words;
+  std::string text;
   for (const EnvironmentRange& range : input.history.surroundings) {
     const bool celsius = range.quantity == "temperature_c";
-    words += fmt::format("{}{} to {} {} ({})", words.empty() ? "" : "; ", doc::fixed_text(range.low, 1),
-                         doc::fixed_text(range.high, 1),
-                         celsius                          ? "°C"
-                         : range.quantity == "supply_bar" ? "bar air supply"
-                                                          : range.quantity,
-                         counted(range.readings, "reading"));
+    text += fmt::format("{}{} to {} {} ({})", text.empty() ? "" : "; ", doc::fixed_text(range.low, 1),
+                        doc::fixed_text(range.high, 1),
+                        celsius                          ? "°C"
+                        : range.quantity == "supply_bar" ? "bar air supply"
+                                                         : range.quantity,
+                        counted(range.readings, "reading"));
   }
-  if (input.laboratory.environment.empty()) return words;
-  return words.empty() ? input.laboratory.environment : words + "; " + input.laboratory.environment;
+  if (input.laboratory.environment.empty()) return text;
+  return text.empty() ? input.laboratory.environment : text + "; " + input.laboratory.environment;
 }
 
 // Rows of the stated facts; the names of the missing ones are one row.
@@ -124,25 +124,25 @@ class StatedRows {
 
 doc::Paragraph statements(const PageData& data) {
   const ReportInput& input = data.input;
-  Phrase words(doc::strong("Statements. "));
+  Phrase text(doc::strong("Statements. "));
   if (states_uncertainty(input))
-    words.add(
+    text.add(
         "The expanded uncertainty is the standard uncertainty times a coverage factor k from the effective degrees "
         "of freedom, for a coverage probability of approximately 95 % (JCGM 100). ");
-  words.add(
+  text.add(
       "The results relate only to the item described, with the scanner named, in the mounting described, at the time "
       "of the measurement. ");
   if (!input.history.presses)
-    words.add(
+    text.add(
         "The pressure was uniform over the array: for objects, or another interface material, this report does not "
         "state the errors. ");
   if (!has_reference(input.run) && !input.history.presses)
-    words.add("An error of the regulator’s feedback is contained in the models and cannot be seen in any error here. ");
+    text.add("An error of the regulator’s feedback is contained in the models and cannot be seen in any error here. ");
   const std::string until = valid_until(input.laboratory, input.run.started_utc);
-  words.add(until.empty() ? "No interval of recalibration is stated. "
-                          : "Valid until " + until + ", as the laboratory states. ");
-  words.add("This report may be reproduced only in full.");
-  return {words, doc::Paragraph::kNote};
+  text.add(until.empty() ? "No interval of recalibration is stated. "
+                         : "Valid until " + until + ", as the laboratory states. ");
+  text.add("This report may be reproduced only in full.");
+  return {text, doc::Paragraph::kNote};
 }
 
 }  // namespace

@@ -38,6 +38,6 @@ doc::Document annex(const PageData& data, const std::string& name);
 doc::SideBySide readings_chart(const ReadingFigures& readings, PressureUnit unit);
 // "28 to 345 kPa"; "at 28 kPa alone"; "nowhere".
 std::string span_text(const MeasuringInterval& span, PressureUnit unit);
-std::string title_case(std::string words);
+std::string title_case(std::string text);
 
 }  // namespace tactbench::analysis

@@ -240,18 +240,18 @@ class Counting {
   }
 
   [[nodiscard]] static std::string basis(const EmpiricalEvidence& evidence, const ConditionUncertainty& out) {
-    std::string words =
+    std::string text =
         fmt::format("{} of {}, {} readings of each taxel", counted(out.histories, "history", "histories"),
                     counted(evidence.runs.size(), "run"), out.readings);
     if (static_cast<std::size_t>(out.condition) >= kHistoryKinds) {
       std::vector<std::string> kinds;
       for (const UseCondition kind : evidence.kinds) kinds.emplace_back(name_of(kind));
-      words += fmt::format(": {}", fmt::join(kinds, "; "));
+      text += fmt::format(": {}", fmt::join(kinds, "; "));
     }
     if (evidence.arrival_high_s > 0.0)
-      words += fmt::format("; levels read {:.1f} to {:.1f} s after the command", evidence.arrival_low_s,
-                           evidence.arrival_high_s);
-    return words;
+      text += fmt::format("; levels read {:.1f} to {:.1f} s after the command", evidence.arrival_low_s,
+                          evidence.arrival_high_s);
+    return text;
   }
 
   const EmpiricalErrors& counted_;

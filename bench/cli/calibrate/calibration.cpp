@@ -388,8 +388,8 @@ class Calibration {
 
   [[nodiscard]] std::string resume_command(const Error& error) {
     // Bad seating, or a hopeless run, which is not worth completing.
-    const bool measure_anew = error.code() == ExitCode::kCriterionFailed;
-    const bool resumed = begun_ != 0 && !measure_anew;
+    const bool measure_again = error.code() == ExitCode::kCriterionFailed;
+    const bool resumed = begun_ != 0 && !measure_again;
     std::int64_t run = result_.run, held_out = result_.held_out;
     if (resumed) (run == 0 ? run : held_out) = begun_;
     if (run == 0 && begun_ == 0) return {};
@@ -415,11 +415,11 @@ std::string resume_command_line(const CalibrateOptions& options, Session& sessio
                                 std::int64_t held_out) {
   const CalibrateOptions standard;
   const OperatorProfile& profile = session.profile.values();
-  std::string words = "tactbench calibrate " + command_word(options.serial);
+  std::string text = "tactbench calibrate " + command_word(options.serial);
   const auto add = [&](const char* option, const std::vector<std::string>& values,
                        const std::vector<std::string>& otherwise) {
     if (values == otherwise) return;
-    for (const std::string& value : values) words += fmt::format(" {} {}", option, command_word(value));
+    for (const std::string& value : values) text += fmt::format(" {} {}", option, command_word(value));
   };
   const auto otherwise = [&](ProfileKey key, const std::vector<std::string>& built_in) {
     const auto given = profile.find(key);
@@ -430,7 +430,7 @@ std::string resume_command_line(const CalibrateOptions& options, Session& sessio
   add("--operator", {options.operator_name}, otherwise(ProfileKey::kOperator, {}));
   add("--recipe", options.recipes, otherwise(ProfileKey::kRecipe, standard.recipes));
   add("--held-out-recipe", options.held_out_recipes, standard.held_out_recipes);
-  if (options.minutes > 0.0) words += fmt::format(" --minutes {:g}", options.minutes);
+  if (options.minutes > 0.0) text += fmt::format(" --minutes {:g}", options.minutes);
   add("--limits", {options.limits}, otherwise(ProfileKey::kLimits, {standard.limits}));
   add("--lab", {options.lab}, otherwise(ProfileKey::kLab, {standard.lab}));
   add("--model", {options.model}, {standard.model});
@@ -438,11 +438,11 @@ std::string resume_command_line(const CalibrateOptions& options, Session& sessio
   add("--order", {options.metadata.order}, {""});
   add("--meta", options.metadata.pairs, {});
   add("--set", options.set, standard.set);
-  if (options.seeds.seed) words += fmt::format(" --seed {}", *options.seeds.seed);
-  if (options.seeds.sensor_seed) words += fmt::format(" --sensor-seed {}", *options.seeds.sensor_seed);
-  if (run != 0) words += fmt::format(" --run {}", run);
-  if (held_out != 0) words += fmt::format(" --held-out {}", held_out);
-  return words;
+  if (options.seeds.seed) text += fmt::format(" --seed {}", *options.seeds.seed);
+  if (options.seeds.sensor_seed) text += fmt::format(" --sensor-seed {}", *options.seeds.sensor_seed);
+  if (run != 0) text += fmt::format(" --run {}", run);
+  if (held_out != 0) text += fmt::format(" --held-out {}", held_out);
+  return text;
 }
 
 void calibrate(const CalibrateOptions& options, Session& session) { Calibration(options, session).carry_out(); }

@@ -216,7 +216,7 @@ struct ReadOptions {
 };
 
 // So that the runs of one origin are not mistaken for all runs.
-void tell_other_origins(fleet::Link& link, const ReadOptions& options, const Session& session) {
+void report_other_origins(fleet::Link& link, const ReadOptions& options, const Session& session) {
   if (session.json) return;
   for (const auto& [origin, runs] : fleet::runs_by_origin(link)) {
     if (origin != options.origin) tty::print(stderr, "{} {} left out (--origin {})\n", runs, origin, origin);
@@ -265,7 +265,7 @@ void list_fleet(const ReadOptions& options, const RunsListOptions& wanted, Sessi
     }
   }
   list.end(!runs.empty());
-  tell_other_origins(from.link(), options, session);
+  report_other_origins(from.link(), options, session);
 }
 
 // JSON output is a single document, so facts about the fleet are printed only as text.
@@ -288,7 +288,7 @@ void trend_fleet(const ReadOptions& options, const TrendOptions& trend_options, 
       runs.push_back(std::move(run));
   }
   from.take({}, runs);
-  tell_other_origins(from.link(), options, session);
+  report_other_origins(from.link(), options, session);
   try {
     trend(trend_options, session);
   } catch (const Error& error) {

@@ -354,7 +354,7 @@ class Fit {
   }
 
   void print() {
-    if (on_bench_) tell_outliers();
+    if (on_bench_) report_outliers();
     doc::Document out = document();
     if (!store_ && options_.output.empty())
       out.add(doc::Paragraph{{"the model was not saved: -o FILE.json saves it; tactbench runs import ",
@@ -403,7 +403,7 @@ class Fit {
     if (targets_.empty()) add("no data were held out: --fit SEQ,... or --score selects the data to score on");
   }
 
-  void tell_outliers() {
+  void report_outliers() {
     std::vector<std::int64_t> numbers = options_.held_out;
     numbers.insert(numbers.begin(), histories_.run);
     for (const std::int64_t run : numbers)

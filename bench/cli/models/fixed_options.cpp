@@ -22,13 +22,13 @@ void add_device_options(CLI::App& verb, analysis::FixedOptions& options) {
       ->check(CLI::PositiveNumber);
 }
 
-void add_fixed_options(CLI::App& verb, FixedWords& words) {
-  verb.add_option("--as", words.as,
+void add_fixed_options(CLI::App& verb, FixedWords& text) {
+  verb.add_option("--as", text.as,
                   "fixed: computes with the integers of a microcontroller (tactbench model export --format c); give "
                   "the same options as for the export")
       ->check(CLI::IsMember({"double", "fixed"}))
       ->capture_default_str();
-  add_device_options(verb, words.options);
+  add_device_options(verb, text.options);
 }
 
 analysis::FixedModel fixed_model(const std::string& name, const analysis::SensorModel& model,

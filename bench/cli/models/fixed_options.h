@@ -16,7 +16,7 @@ struct FixedWords {
 // --frame-rate, --per-count, --noise and --scans: the same values as in the export of the device's model.
 void add_device_options(CLI::App& verb, analysis::FixedOptions& options);
 // --as, and the options of add_device_options().
-void add_fixed_options(CLI::App& verb, FixedWords& words);
+void add_fixed_options(CLI::App& verb, FixedWords& text);
 
 // `name`: MODEL of the command line. Without --per-count the volts per count of a stored run's scanner are used.
 // Throws AnalysisError TB-MODEL-FIXED.

@@ -110,7 +110,7 @@ bool is_number(const std::string& word) {
 
 // What was found on one file.
 struct Finding {
-  std::string file, sha256, state, words;  // state: unchanged, changed, not kept, not signed, unknown, no file
+  std::string file, sha256, state, text;  // state: unchanged, changed, not kept, not signed, unknown, no file
   ExitCode code = ExitCode::kPass;
   std::optional<SignatureFinding> signature = {};
 };
@@ -124,30 +124,30 @@ Finding inspect_report(const KnownReport& known, const std::string& path) {
   if (const std::size_t at = notes.find(report_file_note(known.report.number, out.sha256)); at != std::string::npos) {
     const std::size_t begin = at == 0 ? 0 : notes.rfind('\n', at) + 1;  // npos + 1 is 0
     out.state = "unchanged";
-    out.words = fmt::format("unchanged since it was written ({})", one_line(notes.substr(begin, at - begin - 1)));
+    out.text = fmt::format("unchanged since it was written ({})", one_line(notes.substr(begin, at - begin - 1)));
   } else if (notes.find(report_file_note(known.report.number, "")) == std::string::npos) {
     out.state = "not kept";
-    out.words = "not known: the program that signed it kept no hash of its file";
+    out.text = "not known: the program that signed it kept no hash of its file";
     out.code = ExitCode::kInconclusive;
   } else {
     out.state = "changed";
-    out.words = "CHANGED: it is not one of the files written for this report";
+    out.text = "CHANGED: it is not one of the files written for this report";
     out.code = ExitCode::kCriterionFailed;
   }
   return out;
 }
 
-void tell_file(const Finding& one) {
-  tty::print("file      {}{}{}\n", one_line(one.file), one.file.empty() ? "" : ": ", one.words);
+void report_file(const Finding& one) {
+  tty::print("file      {}{}{}\n", one_line(one.file), one.file.empty() ? "" : ": ", one.text);
   if (!one.signature) return;
   const SignatureFinding& signature = *one.signature;
-  tty::print("signature {}{}{}\n", one_line(signature.words, kMaxTextLength),
+  tty::print("signature {}{}{}\n", one_line(signature.text, kMaxTextLength),
              signature.signer.empty() ? "" : "; by " + one_line(signature.signer),
              signature.signed_utc.empty() ? "" : ", " + signature.signed_utc + " by the signer's clock");
 }
 
-void tell(const std::string& number, const std::optional<KnownReport>& known, const std::vector<Finding>& findings,
-          const ReportEvidence& evidence, Session& session) {
+void report_findings(const std::string& number, const std::optional<KnownReport>& known,
+                     const std::vector<Finding>& findings, const ReportEvidence& evidence, Session& session) {
   const auto worsen = [&](ExitCode code) {
     if (code == ExitCode::kCriterionFailed || session.code == ExitCode::kPass) session.code = code;
   };
@@ -186,7 +186,7 @@ void tell(const std::string& number, const std::optional<KnownReport>& known, co
     tty::print("report {}: run {}, sensor {}{}; signed by {}, {}\n", number, known->run.run,
                one_line(known->run.sensor_serial), known->run.origin == "simulated" ? " (simulated)" : "",
                one_line(known->report.approved_by), known->report.approved_utc);
-  for (const Finding& one : findings) tell_file(one);
+  for (const Finding& one : findings) report_file(one);
   if (known && evidence.fallen.empty() && evidence.missing.empty())
     tty::print("evidence  valid: none of the {} on which it is based is void or changed\n",
                analysis::counted(known->report.evidence.size(), "run"));
@@ -282,7 +282,7 @@ void verify_report(const std::string& named, const std::string& root, Session& s
     const Finding alone{named,           "",
                         "unknown",       fmt::format("there is no store {}: only its signature is checked", session.db),
                         ExitCode::kPass, check_signature_of(named, root)};
-    return tell("", std::nullopt, {alone}, {}, session);
+    return report_findings("", std::nullopt, {alone}, {}, session);
   }
   const db::RunStore store = db::RunStore::open_read_only(session.db);
   if (!is_file && !is_number(named))
@@ -311,7 +311,7 @@ void verify_report(const std::string& named, const std::string& root, Session& s
   for (Finding& one : findings)
     if (!one.file.empty() && (!root.empty() || std::filesystem::exists(one.file + ".p7s")))
       one.signature = check_signature_of(one.file, root);
-  tell(number, known, findings, known ? check_evidence(store, known->report) : ReportEvidence(), session);
+  report_findings(number, known, findings, known ? check_evidence(store, known->report) : ReportEvidence(), session);
 }
 
 }  // namespace

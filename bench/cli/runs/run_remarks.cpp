@@ -29,7 +29,7 @@ db::RunStore store_for_remark(const Session& session, std::int64_t run) {
   return db::RunStore::open(session.db);
 }
 
-void tell_remark(const std::string& verb, const db::RunRecord& run, const std::string& text, const Session& session) {
+void report_remark(const std::string& verb, const db::RunRecord& run, const std::string& text, const Session& session) {
   if (session.json) {
     print_json(verb, analysis::run_json(run));
   } else {
@@ -42,28 +42,28 @@ void tag_run(const RunRemark& remark, const Session& session) {
   const std::vector<std::string> none;
   store.set_tags(remark.run, remark.remove ? none : remark.tags, remark.remove ? remark.tags : none);
   const db::RunRecord run = store.run(remark.run);
-  tell_remark("runs.tag", run, run.tags.empty() ? "no tags" : fmt::format("tags {}", fmt::join(run.tags, " ")),
-              session);
+  report_remark("runs.tag", run, run.tags.empty() ? "no tags" : fmt::format("tags {}", fmt::join(run.tags, " ")),
+                session);
 }
 
 void note_run(const RunRemark& remark, const Session& session) {
   db::check_nonblank_text("the note", remark.text, db::kMaxTextLength);  // without the time that is put before it
   db::RunStore store = store_for_remark(session, remark.run);
   store.add_note(remark.run, fmt::format("{} {}", utc_now(), remark.text));
-  tell_remark("runs.note", store.run(remark.run), "noted", session);
+  report_remark("runs.note", store.run(remark.run), "noted", session);
 }
 
 void void_run(const RunRemark& remark, const Session& session) {
   db::RunStore store = store_for_remark(session, remark.run);
   store.void_run(remark.run, remark.text, remark.by, utc_now());
-  const std::vector<db::ReportRecord> fallen = reports_based_on(store, remark.run);
+  const std::vector<db::ReportRecord> affected = reports_based_on(store, remark.run);
   if (session.json) {
     nlohmann::ordered_json json = analysis::run_json(store.run(remark.run));
-    for (const db::ReportRecord& report : fallen) json["signed_reports"].push_back(report.number);
+    for (const db::ReportRecord& report : affected) json["signed_reports"].push_back(report.number);
     return print_json("runs.void", json);
   }
   tty::print("run {}: void, by {}: {}; it is kept\n", remark.run, remark.by, remark.text);
-  for (const db::ReportRecord& report : fallen)
+  for (const db::ReportRecord& report : affected)
     tty::print(
         "warning: the report {}, signed by {} on {}, is based on this run: withdraw it, and write a new report of run "
         "{}\n",

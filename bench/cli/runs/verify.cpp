@@ -41,8 +41,8 @@ void verify(std::int64_t number, Session& session) {
                 fmt::format("run {} has not ended, so it has no hash to compare with yet", number), session.db);
   }
   const RunVerification verified = verify_run(store, number);
-  const auto& [content, beside, results, first] = verified;
-  if (!content.holds() || !beside.empty()) {
+  const auto& [content, changed_records, results, first] = verified;
+  if (!content.holds() || !changed_records.empty()) {
     session.code = ExitCode::kStore;
   } else if (!first.empty()) {
     session.code = ExitCode::kCriterionFailed;
@@ -59,7 +59,7 @@ void verify(std::int64_t number, Session& session) {
                 {"pruned", pruned_json(content.pruned)},
                 {"first_difference", first},
                 {"content", {{"holds", content.holds()}, JSON_FIELDS(content, frames, stored_sha256, computed_sha256)}},
-                {"beside", beside},
+                {"beside", changed_records},
                 {"analysis", list}});
     return;
   }
@@ -75,7 +75,7 @@ void verify(std::int64_t number, Session& session) {
     tty::print("  {:<14}DIFFERS: {}\n  {:<14}stored sha256 {}, recomputed {}; the analysis was not checked\n",
                "content", content.difference, "", content.stored_sha256, content.computed_sha256);
   }
-  for (const std::string& line : beside) tty::print("  {:<14}{}\n", "CHANGED", line);
+  for (const std::string& line : changed_records) tty::print("  {:<14}{}\n", "CHANGED", line);
   for (const VerifiedResult& result : results) print_result(result);
   if (content.holds() && results.empty()) tty::print("  {:<14}no stored fit, no verdict\n", "analysis");
   const char* well = content.pruned ? "the remaining data are verified; the frames are not there" : "verified";
@@ -93,8 +93,8 @@ void verify_store(Session& session) {
   }
   for (const db::RunRecord& run : store.runs()) {
     const db::ContentCheck content = store.check_content(run.run);
-    const std::vector<std::string> beside = store.check_seals(run.run);
-    const bool ended = run.outcome != db::Outcome::kIncomplete, holds = content.holds() && beside.empty();
+    const std::vector<std::string> changed_records = store.check_seals(run.run);
+    const bool ended = run.outcome != db::Outcome::kIncomplete, holds = content.holds() && changed_records.empty();
     ++(!holds ? differ : ended ? sound : open);
     pruned += content.pruned ? 1 : 0;
     list.push_back({{"run", run.run},
@@ -102,10 +102,10 @@ void verify_store(Session& session) {
                     {"holds", holds},
                     {"pruned", content.pruned.has_value()},
                     JSON_FIELDS(content, frames, difference),
-                    {"beside", beside}});
+                    {"beside", changed_records}});
     if (session.json) continue;
     if (!content.holds()) tty::print("  run {:<4}{}\n", run.run, content.difference);
-    for (const std::string& line : beside) tty::print("  run {:<4}{}\n", run.run, line);
+    for (const std::string& line : changed_records) tty::print("  run {:<4}{}\n", run.run, line);
   }
   const bool well = structure.empty() && differ == 0;
   if (!well) session.code = ExitCode::kStore;

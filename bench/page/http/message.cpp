@@ -67,7 +67,7 @@ namespace {
 using boost::asio::ip::tcp;
 using boost::system::error_code;
 
-auto told(Wire::Done done) {
+auto completion_of(Wire::Done done) {
   return [done = std::move(done)](const error_code& error, std::size_t bytes) { done(!error, bytes); };
 }
 
@@ -78,10 +78,10 @@ class StreamWire : public Wire {
   explicit StreamWire(Parts&&... parts) : stream_(std::forward<Parts>(parts)...) {}
   void open(Done done) override { done(true, 0); }
   void read(char* bytes, std::size_t size, Done done) override {
-    stream_.async_read_some(boost::asio::buffer(bytes, size), told(std::move(done)));
+    stream_.async_read_some(boost::asio::buffer(bytes, size), completion_of(std::move(done)));
   }
   void write(const std::vector<boost::asio::const_buffer>& buffers, Done done) override {
-    boost::asio::async_write(stream_, buffers, told(std::move(done)));
+    boost::asio::async_write(stream_, buffers, completion_of(std::move(done)));
   }
   tcp::socket& socket() override {
     if constexpr (std::is_same_v<Stream, tcp::socket>) {

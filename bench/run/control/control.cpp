@@ -37,7 +37,7 @@ Control::Answer Control::ask(Command command, const std::string& who) {
     } else if (command == Command::kResume) {
       if (!waits) return {false, fmt::format("run {} is {}, not paused", status_.run, to_string(state))};
       if (!status_.question.empty()) {
-        if (Answer told = accept_answer(status_.question_id, {}, who); !told.taken) return told;
+        if (Answer answer = accept_answer(status_.question_id, {}, who); !answer.taken) return answer;
       }
       pause_ = false;
       resume_ = true;
@@ -86,7 +86,7 @@ RunStatus Control::status() const {
   const std::lock_guard lock(mutex_);
   RunStatus status = status_;
   status.answer = answer_;
-  status.age_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - told_).count();
+  status.age_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - reported_at_).count();
   return status;
 }
 
@@ -148,7 +148,7 @@ void Control::publish(const RunStatus& status) {
   const std::optional<RunReadings> readings = status_.readings;
   status_ = status;
   status_.readings = readings;
-  told_ = std::chrono::steady_clock::now();
+  reported_at_ = std::chrono::steady_clock::now();
   ++news_;
 }
 
@@ -156,7 +156,7 @@ void Control::see(const RunReadings& readings) {
   const std::unique_lock lock(mutex_, std::try_to_lock);
   if (!lock) return;
   status_.readings = readings;
-  told_ = std::chrono::steady_clock::now();
+  reported_at_ = std::chrono::steady_clock::now();
   ++news_;
 }
 
@@ -171,8 +171,8 @@ void StatusBoard::publish() {
   control_.publish(now_);
 }
 
-void StatusBoard::phase(const std::string& words) {
-  now_.phase = words;
+void StatusBoard::phase(const std::string& text) {
+  now_.phase = text;
   publish();
   refresh();
 }

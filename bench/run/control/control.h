@@ -82,7 +82,7 @@ class Control {
   Answer accept_answer(int question, const std::string& text, const std::string& who);   // with the lock held
   mutable std::mutex mutex_;
   RunStatus status_;
-  std::chrono::steady_clock::time_point told_ =
+  std::chrono::steady_clock::time_point reported_at_ =
       std::chrono::steady_clock::now();  // time of the last publish() or see()
   bool finished_ = false, closed_ = false;
   Command command_ = Command::kStatus;  // the strongest command so far; kStatus: none
@@ -105,7 +105,7 @@ class StatusBoard {
   [[nodiscard]] RunStatus& now() { return now_; }
   void publish();
   // Sets the run's current activity in words, publishes and shows it.
-  void phase(const std::string& words);
+  void phase(const std::string& text);
   // To be called often: renews the progress line when that is due.
   void refresh();
   // To be called when all steps up to now().step are done: the last step is always shown.

@@ -227,9 +227,9 @@ Command command_of(std::string_view text) {
   return Command::kStatus;
 }
 
-std::string with_behalf(std::string words, const std::string& behalf) {
-  if (!behalf.empty()) words += "\n" + one_line(behalf, kMaxBehalfColumns);
-  return words;
+std::string with_behalf(std::string text, const std::string& behalf) {
+  if (!behalf.empty()) text += "\n" + one_line(behalf, kMaxBehalfColumns);
+  return text;
 }
 
 std::string_view word_at(std::string_view& rest) {
@@ -270,7 +270,7 @@ std::string answer_packet(int question, const std::string& text, const std::stri
   return with_behalf(fmt::format("answer {} {}", question, one_line(text, kMaxReplyColumns)), behalf);
 }
 
-RunConnection::RunConnection(std::string name, const std::string& words, const std::string& db)
+RunConnection::RunConnection(std::string name, const std::string& text, const std::string& db)
     : name_(std::move(name)) {
   descriptor_ = connect_to_name(name_);
   if (descriptor_ < 0) return;
@@ -281,7 +281,7 @@ RunConnection::RunConnection(std::string name, const std::string& words, const s
   }
   server_ = *server;
   // A run that closes the connection immediately may have sent data before.
-  (void)::send(descriptor_, words.data(), words.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+  (void)::send(descriptor_, text.data(), text.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
 }
 
 RunConnection::~RunConnection() { close(); }

@@ -85,12 +85,12 @@ std::string command_packet(Command command, const std::string& behalf);
 std::string answer_packet(int question, const std::string& text, const std::string& behalf);
 
 // Non-blocking connection to one live run: requests are sent immediately, answers are polled. For a process with other
-// work meanwhile (bench/page); control_client.h queries several runs and waits.
+// work meanwhile (bench/page); the functions above query several runs and wait.
 class RunConnection {
  public:
-  // Connects to the name of a bench and sends `words` (control_client.h). Not open if nobody listens on the name, or an
-  // untrusted process (locks.h) that does not carry out a run of the store `db` (locks.h).
-  RunConnection(std::string name, const std::string& words, const std::string& db = {});
+  // Connects to the name of a bench and sends `text`. Not open if nobody listens on the name, or an
+  // untrusted process that does not carry out a run of the store `db` (locks.h).
+  RunConnection(std::string name, const std::string& text, const std::string& db = {});
   ~RunConnection();
   RunConnection(const RunConnection&) = delete;
   RunConnection& operator=(const RunConnection&) = delete;

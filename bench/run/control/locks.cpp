@@ -176,9 +176,9 @@ std::optional<bool> is_carried_out(const std::string& db_path, std::int64_t run)
   asked.l_whence = SEEK_SET;
   asked.l_start = run;
   asked.l_len = 1;
-  const bool told = ::fcntl(file, F_OFD_GETLK, &asked) == 0;
+  const bool known = ::fcntl(file, F_OFD_GETLK, &asked) == 0;
   ::close(file);
-  return told ? std::optional(asked.l_type != F_UNLCK) : std::nullopt;
+  return known ? std::optional(asked.l_type != F_UNLCK) : std::nullopt;
 }
 
 bool carries_out_run_of(const Peer& process, const std::string& db_path) {
@@ -194,9 +194,9 @@ bool carries_out_run_of(const Peer& process, const std::string& db_path) {
   for (int i = 0; !failed && i < kMost && file != std::filesystem::directory_iterator(); ++i, file.increment(failed)) {
     if (::stat(file->path().c_str(), &found) != 0 || found.st_dev != lock.st_dev || found.st_ino != lock.st_ino)
       continue;
-    std::ifstream told(folder / "fdinfo" /
-                       file->path().filename());  // "lock: 1: OFDLCK ADVISORY  WRITE -1 fe:00:812 7 7"
-    for (std::string line; std::getline(told, line);)
+    std::ifstream fdinfo(folder / "fdinfo" /
+                         file->path().filename());  // "lock: 1: OFDLCK ADVISORY  WRITE -1 fe:00:812 7 7"
+    for (std::string line; std::getline(fdinfo, line);)
       if (line.starts_with("lock:") && line.find(" WRITE ") != std::string::npos) return true;
   }
   return false;
@@ -278,9 +278,9 @@ std::vector<std::string> held_names() {
   std::vector<std::string> names;
   std::ifstream table("/proc/net/unix");  // "slot: RefCount Protocol Flags Type St Inode Path"
   for (std::string line; std::getline(table, line);) {
-    std::istringstream words(line);
+    std::istringstream text(line);
     std::string slot, references, protocol, flags, type, state, inode, path;
-    if (!(words >> slot >> references >> protocol >> flags >> type >> state >> inode >> path)) continue;
+    if (!(text >> slot >> references >> protocol >> flags >> type >> state >> inode >> path)) continue;
     const bool listens = flags == "00010000";  // not the accepted ones, which have the name, too
     if (listens && path.starts_with(prefix)) names.push_back(path.substr(prefix.size()));
   }
@@ -315,10 +315,11 @@ std::optional<gid_t> commanding_group() {
 }
 
 std::optional<Peer> peer_of(int descriptor, std::optional<gid_t> group) {
-  ucred told{};
-  socklen_t size = sizeof(told);
-  if (::getsockopt(descriptor, SOL_SOCKET, SO_PEERCRED, &told, &size) != 0 || told.pid < 0) return std::nullopt;
-  Peer peer{told.pid, told.uid, group && told.gid == *group};
+  ucred credentials{};
+  socklen_t size = sizeof(credentials);
+  if (::getsockopt(descriptor, SOL_SOCKET, SO_PEERCRED, &credentials, &size) != 0 || credentials.pid < 0)
+    return std::nullopt;
+  Peer peer{credentials.pid, credentials.uid, group && credentials.gid == *group};
   if (!group || peer.in_group) return peer;
   // The groups of the process itself, not those of its user in the user database: the process may have dropped them, or
   // may have logged in before it was added.

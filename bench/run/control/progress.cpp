@@ -86,12 +86,12 @@ void Progress::finish() {
   open_ = false;
 }
 
-void Notify::tell(const std::string& event, std::int64_t run, const std::string& reason) const {
+void Notify::run_command(const std::string& event, std::int64_t run, const std::string& reason) const {
   if (command_.empty()) return;
   ChildStart shell;
   // In the background of a separate shell, which ends immediately: the command may take any time and leaves no child
   // process behind.
-  shell.words = {"/bin/sh", "-c", "(" + command_ + "\n) </dev/null >&2 &"};
+  shell.arguments = {"/bin/sh", "-c", "(" + command_ + "\n) </dev/null >&2 &"};
   // Replaces those of a run that started this program.
   shell.environment = environment_with(
       {"TACTBENCH_EVENT=" + event, fmt::format("TACTBENCH_RUN={}", run), "TACTBENCH_REASON=" + reason});

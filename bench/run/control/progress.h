@@ -62,7 +62,7 @@ class Notify {
   // Starts `sh -c COMMAND` with TACTBENCH_EVENT (done, failed, waiting), TACTBENCH_RUN and TACTBENCH_REASON in its
   // environment and does not wait for it. A command that cannot be started is reported on standard error and changes
   // nothing.
-  void tell(const std::string& event, std::int64_t run, const std::string& reason) const;
+  void run_command(const std::string& event, std::int64_t run, const std::string& reason) const;
 
  private:
   std::string command_;

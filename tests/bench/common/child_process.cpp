@@ -45,7 +45,7 @@ ChildProgram shell_child(const std::string& line, int output = -1, const std::ve
                          bool ends_with_parent = false) {
   ChildStart start;
   start.ends_with_parent = ends_with_parent;
-  start.words = {"/bin/sh", "-c", line};
+  start.arguments = {"/bin/sh", "-c", line};
   start.environment = environment_with(variables);
   start.output = output;
   return ChildProgram(std::move(start));
@@ -86,7 +86,7 @@ TEST_CASE("child program: inherits the environment plus its own variables, each 
 TEST_CASE("child program: a failed start reports the reason and closes the descriptor") {
   const ChildOutput output;
   ChildStart start;
-  start.words = {"/no/such/program"};
+  start.arguments = {"/no/such/program"};
   start.output = output.write_end;
   try {
     const ChildProgram child(std::move(start));

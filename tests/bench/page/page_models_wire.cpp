@@ -36,7 +36,7 @@ class ModelledPage : public FilmStore {
   }
   [[nodiscard]] std::string words(std::int64_t run) const {
     const auto found = bench::CompensatedRun::of(store, store.run(run));
-    return found ? found->words() : "none";
+    return found ? found->model_text() : "none";
   }
   // A run under way, of the sensor.
   std::int64_t begin() {

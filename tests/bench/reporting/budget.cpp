@@ -100,9 +100,9 @@ TEST_CASE("budget runs: runs more than a day apart, before or after, count as an
     FilmRun other = film_at(row.utc);
     other.origin = "hardware";
     const bench::StateChange change = made.change(other);
-    CAPTURE(row.utc, change.words);
+    CAPTURE(row.utc, change.text);
     CHECK(change_of(change) == (row.days == nullptr ? "" : "later "));
-    if (row.days != nullptr) CHECK(change.words.find(row.days) != std::string::npos);
+    if (row.days != nullptr) CHECK(change.text.find(row.days) != std::string::npos);
   }
   // A hardware bench does not record mounts.
   FilmRun mounted = film_set({{"simulation.mount_seed", "1"}});
@@ -119,7 +119,7 @@ TEST_CASE("budget runs: age, specimen and mount are compared by the configuratio
   };
   CHECK(set("simulation.age_months", "1") == "later ");
   CHECK(set("simulation.age_months", "2.5") == "later ");
-  CHECK_THAT(made.change(film_set({{"simulation.age_months", "2.5"}})).words, Catch::Contains(" 2.5 "));
+  CHECK_THAT(made.change(film_set({{"simulation.age_months", "2.5"}})).text, Catch::Contains(" 2.5 "));
   CHECK(set("simulation.mount_seed", "1") == "mounted ");
   CHECK(set("simulation.mount_turn", "\"turned-180\"") == "mounted ");
   CHECK(set("simulation.edge_outside_lines", "2") == "mounted ");
@@ -130,7 +130,7 @@ TEST_CASE("budget runs: age, specimen and mount are compared by the configuratio
   CHECK(change_of(made.change(all)) == "later mounted ");
   all.started_utc = "2026-03-11T00:00:00Z";
   CHECK(change_of(made.change(all)) == "later mounted ");
-  CHECK_THAT(made.change(all).words, Catch::Contains(" 10 "));
+  CHECK_THAT(made.change(all).text, Catch::Contains(" 10 "));
   db::RunRecord unread = made.store.run(1);
   for (const std::string& toml : {std::string("no bench"), bench_text("hardware")}) {
     unread.bench_toml = toml;

@@ -176,8 +176,8 @@ TEST_CASE("verify results: a broken seal is reported as first difference if the 
   made.store.add_report({1, "1-a", "h", "K. Lee", "2026-03-02T00:00:00Z", "", ""});
   made.change("UPDATE reports SET approved_by = 'B'");
   const bench::RunVerification verified = bench::verify_run(made.store, 1);
-  REQUIRE(verified.beside.size() == 1);
-  CHECK(verified.first_difference == verified.beside[0]);
+  REQUIRE(verified.changed_records.size() == 1);
+  CHECK(verified.first_difference == verified.changed_records[0]);
 }
 
 TEST_CASE("verify results: a dynamic model needs its runs of lag and creep, found by content hash") {
