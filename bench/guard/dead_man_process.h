@@ -1,10 +1,10 @@
 // The dead-man's process as the sequencer sees it: started before any device is opened and fed by progress; it makes
 // the bench safe over its own connection when the feeding stops. dead_man_server.h is the other side.
 //
-// There are two deadlines. Within every `timeout` the process must send a sign of life (from a thread, which SIGSTOP
-// and SIGKILL stop like any other), and within every `progress` its work must have advanced. So a stopped process is
-// detected soon, and a slow failing exchange does not fire the dead-man. The dead-man answers each sign of life, and is
-// itself watched by these answers: the thread receives them, and the functions here never wait.
+// There are two deadlines. Within every `timeout` the run's process must send a sign of life; a thread does so, which
+// SIGSTOP and SIGKILL stop together with the process. Within every `progress` its work must have advanced. So a stopped
+// process is detected soon, and a slow exchange that fails does not trigger the dead-man. The dead-man answers each
+// sign of life, and is itself watched by these answers: the thread receives them, and the functions here never wait.
 #pragma once
 
 #include <sys/types.h>

@@ -277,7 +277,7 @@ class HtmlPrinter {
     return out;
   }
   Markup operator()(const SideBySide& blocks) const {
-    Markup out = markup("<div class=\"beside{}\">\n", Attribute(blocks.ruled ? " ruled" : ""));
+    Markup out = markup("<div class=\"columns{}\">\n", Attribute(blocks.ruled ? " ruled" : ""));
     for (std::size_t i = 0; i < blocks.parts.size(); ++i)
       out += markup("<div style=\"flex:{} 1 0\">\n{}</div>\n", i < blocks.shares.size() ? blocks.shares[i] : 1,
                     document(blocks.parts[i]));

@@ -60,9 +60,9 @@ code { font: 9.5px "Liberation Mono", "DejaVu Sans Mono", monospace; overflow-wr
 .sign { font-family: "DejaVu Sans", "Segoe UI Symbol", "Apple Symbols", sans-serif; }
 .banner { position: sticky; top: 0; z-index: 1; background: #a11212; color: #fff; text-align: center; font-weight: bold;
   letter-spacing: .05em; padding: 5px 16px; }
-.beside { display: flex; flex-wrap: wrap; gap: 0 18px; }
-.beside > div { min-width: 96px; }
-.beside > div > table:first-child caption, .beside > div > h3:first-child { padding-top: 0; margin-top: 0; }
+.columns { display: flex; flex-wrap: wrap; gap: 0 18px; }
+.columns > div { min-width: 96px; }
+.columns > div > table:first-child caption, .columns > div > h3:first-child { padding-top: 0; margin-top: 0; }
 .ruled { border-top: 1px solid #8a949c; padding-top: 7px; margin-top: 7px; gap: 0 16px; break-inside: avoid; }
 .ruled .q:first-child { font-size: 10px; }
 .framed { display: flex; gap: 18px; border: 1px solid #8a949c; border-left: 8px solid #8a949c; border-radius: 3px;

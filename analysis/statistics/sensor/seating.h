@@ -1,5 +1,5 @@
-// Checks how a sensor is seated before a run: from an unloaded and a lightly loaded frame to findings for people.
-// Compared with the frames of the sensor's last good seating where there are any. Stores and reads nothing itself.
+// Checks before a run how a sensor is seated: from an unloaded and a lightly loaded frame, compared with those of the
+// sensor's last good seating if there is one, to findings as text for the operator. Pure functions.
 #pragma once
 
 #include <optional>

@@ -51,8 +51,8 @@ std::string shown_name(const std::string& what);
 int connect_to_name(const std::string& what);
 
 // The process at the other end of a local socket, as reported by the kernel. A run may be commanded by root, the run's
-// own user, and members of the group `tactbench`. The same users are trusted when they answer as a run; root trusts any
-// other process only if it carries out a run of the store that it names (locks.h).
+// own user, and members of the group `tactbench`. An answer in the name of a run is believed if it comes from one of
+// these users. Root also believes a process of another user if that process holds the lock of the run that it names.
 inline constexpr const char* kGroupName = "tactbench";
 
 // The group's number; none: the machine has no such group.
