@@ -147,7 +147,7 @@ void place(WrittenReport& out, const db::RunStore& store, const ReportOptions& o
   out.written = may_be_written(out.path, out.report.number, store);
 }
 
-// for a comparison or a batch
+// Of a comparison or a batch.
 std::string report_stage_of(std::int64_t run) { return fmt::format("run {}", run); }
 
 WrittenReport several_runs(analysis::Runs& runs, const ReportOptions& options, const Session& session) {

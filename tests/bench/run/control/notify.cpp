@@ -21,10 +21,10 @@ TEST_CASE("notify: the command gets event, run and reason in its environment, in
   const Variable own("TACTBENCH_EVENT", "of an outer run");
   const Notify notify("printf '%s|%s|%s' \"$TACTBENCH_EVENT\" \"$TACTBENCH_RUN\" \"$TACTBENCH_REASON\" >'" +
                       folder.path("new") + "'; mv '" + folder.path("new") + "' '" + told + "' # a comment");
-  notify.tell("done", 17, "all steps 'done'; \"really\"");
+  notify.run_command("done", 17, "all steps 'done'; \"really\"");
   CHECK(appears("done|17|all steps 'done'; \"really\""));
   std::filesystem::remove(told);
-  Notify("").tell("done", 17, "x");
-  notify.tell("waiting", -1, "");
+  Notify("").run_command("done", 17, "x");
+  notify.run_command("waiting", -1, "");
   CHECK(appears("waiting|-1|"));
 }
