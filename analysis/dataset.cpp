@@ -13,7 +13,7 @@
 #include "analysis/counted.h"
 #include "analysis/json_io.h"
 #include "analysis/scanner_scale.h"
-#include "db/scan_means.h"
+#include "db/record.h"
 
 namespace tactbench::analysis {
 namespace {
@@ -165,7 +165,7 @@ std::vector<double> temperatures_of(const StoredRun& run) {
   return celsius;
 }
 
-Dataset load_dataset(const db::RunStore& store, std::int64_t run) {
+Dataset load_dataset(const db::RunReader& store, std::int64_t run) {
   return load_dataset(read_run(store, store.run(run)));
 }
 
@@ -261,7 +261,7 @@ Dataset load_dataset(const StoredRun& stored) {
   return dataset;
 }
 
-StoredRun read_run(const db::RunStore& store, const db::RunRecord& record) {
+StoredRun read_run(const db::RunReader& store, const db::RunRecord& record) {
   return {record, store.frames(record.run), store.branches(record.run), store.events(record.run),
           store.checks(record.run)};
 }

@@ -22,8 +22,8 @@ struct StoredRun {
   std::vector<db::CheckRecord> checks;
 };
 
-// `record`: the run's row, as RunStore::run() gives it. Throws StoreError.
-StoredRun read_run(const db::RunStore& store, const db::RunRecord& record);
+// `record`: the run's row, as RunReader::run() gives it. Throws StoreError.
+StoredRun read_run(const db::RunReader& store, const db::RunRecord& record);
 
 struct Sample {
   double setpoint_psi = 0.0;
@@ -60,8 +60,7 @@ struct Dataset {
   std::vector<SequenceData> sequences;
   std::vector<double> noise_v;  // per taxel, standard deviation of one K-scan mean, from the K scans (0 if K = 1)
   std::vector<bool> at_limit;   // per taxel: at the converter's limit in more than one frame
-  int outlying =
-      0;  // number of samples left out of the means because the other scans contradict them (db/scan_means.h)
+  int outlying = 0;  // number of samples left out of the means because the other scans contradict them (db/record.h)
   std::vector<double> temperatures_c;  // ambient temperatures of the run; empty if the bench has no thermometer
   [[nodiscard]] int taxels() const { return rows * columns; }
 };
@@ -70,7 +69,7 @@ struct Dataset {
 // complete (with the number of missing frames); incomplete repeats are left out.
 Dataset load_dataset(const StoredRun& run);
 // For commands that need no other data of the run; others use Runs (report/gather.h).
-Dataset load_dataset(const db::RunStore& store, std::int64_t run);
+Dataset load_dataset(const db::RunReader& store, std::int64_t run);
 
 // Only Dataset::temperatures_c, also for a run without a complete repeat. Throws AnalysisError TB-ANALYSIS-FRAME.
 std::vector<double> temperatures_of(const StoredRun& run);

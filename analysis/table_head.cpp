@@ -14,7 +14,7 @@
 
 #include "analysis/error.h"
 #include "analysis/table.h"
-#include "db/utf8.h"
+#include "db/remarks.h"
 
 namespace tactbench::analysis {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "db/utf8.h"
+#include "db/remarks.h"
 
 namespace tactbench::analysis {
 

@@ -8,7 +8,8 @@
 #include <limits>
 #include <map>
 
-#include "db/run_store.h"
+#include "db/run_reader.h"
+#include "db/store_error.h"
 
 namespace tactbench::db {
 
@@ -150,6 +151,47 @@ Digest HashChain::close(const Digest& before, std::int64_t frames, const RunEnd&
   return finish();
 }
 
+Digest HashChain::fits(const std::vector<FitRecord>& fits) {
+  begin("fits");
+  for (const FitRecord& fit : fits) {
+    add(fit.fit);
+    add(fit.row());
+  }
+  return finish();
+}
+
+Digest HashChain::verdicts(const std::vector<VerdictRecord>& verdicts) {
+  begin("verdicts");
+  for (const VerdictRecord& v : verdicts) {
+    add(v.fit);
+    add(v.row());
+  }
+  return finish();
+}
+
+Digest HashChain::approvals(const std::vector<ReportRecord>& reports) {
+  begin("approvals");
+  for (const ReportRecord& r : reports) {
+    add(r.row());
+    if (!r.reason.empty()) add("reason: " + r.reason);  // no number begins so
+    for (const ReportRecord::Evidence& one : r.evidence) add("evidence: " + one.content_sha256);
+  }
+  return finish();
+}
+
+Digest HashChain::voided(const RunRecord& run) {
+  begin("void");
+  add(std::tie(run.void_reason, run.void_by, run.void_utc));
+  return finish();
+}
+
+RunEnd end_of(const RunReader& store, const RunRecord& run) {
+  return {store.events(run.run), store.branches(run.run),
+          store.checks(run.run), store.series(run.run),
+          run.outcome,           run.reason,
+          run.safe_state};
+}
+
 std::string hex(const Digest& digest) {
   constexpr std::string_view kDigits = "0123456789abcdef";
   std::string text;
@@ -165,7 +207,7 @@ std::string sha256_hex(const std::string& text) {
   return hex(chain.digest({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}));
 }
 
-std::string frames_hash(const RunStore& store, std::int64_t run) {
+std::string frames_hash(const RunReader& store, std::int64_t run) {
   if (const std::optional<PrunedRecord> pruned = store.pruned(run)) return pruned->frames_sha256;
   std::map<std::int64_t, BranchRecord> branches;
   for (const BranchRecord& branch : store.branches(run)) branches[branch.branch] = branch;

@@ -17,9 +17,10 @@
 #include <vector>
 
 #include "db/record.h"
-#include "db/run_store.h"
 
 namespace tactbench::db {
+
+class RunReader;
 
 using Digest = std::array<std::uint8_t, 32>;
 std::string hex(const Digest& digest);
@@ -35,6 +36,9 @@ struct RunEnd {
   SafeState safe = SafeState::kUnknown;
 };
 
+// Read from the store, except outcome, reason and safe state, which are those of `run`.
+RunEnd end_of(const RunReader& store, const RunRecord& run);
+
 class HashChain {
  public:
   HashChain();
@@ -46,7 +50,7 @@ class HashChain {
   [[nodiscard]] Digest header(const RunRecord& run);
   [[nodiscard]] Digest frame(const Digest& before, const BranchRecord& branch, const FrameRecord& frame);
   [[nodiscard]] Digest close(const Digest& before, std::int64_t frames, const RunEnd& run_end);
-  // Digests of the rows stored next to the content (seals.cpp).
+  // Digests of the rows stored next to the content.
   [[nodiscard]] Digest fits(const std::vector<FitRecord>& fits);
   [[nodiscard]] Digest verdicts(const std::vector<VerdictRecord>& verdicts);
   [[nodiscard]] Digest approvals(const std::vector<ReportRecord>& reports);
@@ -78,11 +82,9 @@ class HashChain {
   std::vector<std::uint8_t> bytes_;
 };
 
-// Hash of a run's measured frames, independent of the program, commit and build that took them.
-
-// SHA-256 chained over the run's frames, each with the place of its branch, as in hash_chain.h but without header and
+// SHA-256 chained over the run's frames, each with the place of its branch, as above but without header and
 // closing part: equal for two runs with the same measured frames, whatever program, commit or build carried them out.
-// In hex digits. For a run with removed frames, the stored hash. StoreError as RunStore::for_each_frame().
-std::string frames_hash(const RunStore& store, std::int64_t run);
+// In hex digits. For a run with removed frames, the stored hash. StoreError as RunReader::for_each_frame().
+std::string frames_hash(const RunReader& store, std::int64_t run);
 
 }  // namespace tactbench::db

@@ -40,7 +40,7 @@ struct SchemaObject {
 };
 using SchemaObjects = std::map<std::pair<std::string, std::string>, SchemaObject>;  // by name and kind
 
-// Skips the tables of ANALYSE: they hold statistics, and only SQLite itself can make tables with such names.
+// Skips the tables of ANALYZE: they hold statistics, and only SQLite itself can make tables with such names.
 SchemaObjects objects_of(sqlite::Connection& connection) {
   sqlite::Statement rows(connection,
                          "SELECT type, name, tbl_name, coalesce(sql, '') FROM main.sqlite_master "

@@ -11,7 +11,7 @@
 #include <new>
 #include <sstream>
 
-#include "db/run_store.h"
+#include "db/store_error.h"
 #include "db/store_file.h"
 
 namespace tactbench::db::sqlite {

@@ -191,8 +191,8 @@ std::vector<Record> read_all(Connection& connection, const std::string& rest, co
   return records;
 }
 
-// Takes the write lock at once; rolls back unless committed. Refused on a file that is not in its place, unless that
-// was told before: then it is what a run still has to say before the store is saved (RunStore::rescue).
+// Takes the write lock at once; rolls back unless committed. Refused when the file is not in its place, unless that
+// was reported before: a run may still write its last rows before the store is saved (RunStore::rescue).
 class Transaction {
  public:
   explicit Transaction(Connection& connection);

@@ -1,12 +1,16 @@
 #include "db/store_file.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <sys/sysmacros.h>
 #include <sys/vfs.h>
+#include <unistd.h>
 
 #include <array>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -16,8 +20,8 @@
 #include <string_view>
 #include <utility>
 
-#include "db/run_store.h"
 #include "db/schema.h"
+#include "db/store_error.h"
 
 namespace tactbench::db {
 
@@ -220,6 +224,110 @@ FileKind check_store_file(const std::string& path) {
     refuse(fmt::format("the file is damaged: {}", wrong), kDamagedRemedy);
   }
   return FileKind::kStore;
+}
+
+namespace {
+
+// The copy grows under another name, which is locked, and gets its own when it is complete: a program that dies leaves
+// no file of that name, and the next copy takes over what it left.
+class TakenName {
+ public:
+  explicit TakenName(std::string path) : path_(std::move(path)), partial_(path_ + ".partial") {
+    if (fs::exists(path_)) refuse(EEXIST);
+    file_ = ::open(partial_.c_str(), O_CREAT | O_RDWR | O_NOFOLLOW | O_CLOEXEC, 0666);
+    if (file_ < 0) refuse(errno);
+    // Another process is making this copy, or has just finished it.
+    if (::flock(file_, LOCK_EX | LOCK_NB) != 0 || fs::exists(path_) || ::ftruncate(file_, 0) != 0) {
+      ::close(file_);
+      refuse(EEXIST);
+    }
+    drop_logs();
+  }
+  ~TakenName() {
+    if (!kept_) {
+      drop_logs();
+      ::unlink(partial_.c_str());
+    }
+    ::close(file_);
+  }
+  TakenName(const TakenName&) = delete;
+  TakenName& operator=(const TakenName&) = delete;
+
+  [[nodiscard]] const std::string& partial() const { return partial_; }
+  void keep() {
+    if (::renameat2(AT_FDCWD, partial_.c_str(), AT_FDCWD, path_.c_str(), RENAME_NOREPLACE) != 0) refuse(errno);
+    kept_ = true;
+  }
+
+ private:
+  void drop_logs() const {
+    for (const char* ending : {"-journal", "-wal", "-shm"}) ::unlink((partial_ + ending).c_str());
+  }
+  [[noreturn]] void refuse(int error) const {
+    if (error == EEXIST) {
+      throw StoreError("TB-STORE-EXISTS", fmt::format("{} exists already and is not overwritten", path_),
+                       "name a file that does not exist yet");
+    }
+    throw StoreError(error == ENOSPC || error == EDQUOT ? "TB-STORE-FULL" : "TB-STORE-OPEN",
+                     fmt::format("{} cannot be made: {}", path_, std::strerror(error)),
+                     "check the folder, its permissions and the free space of its disk");
+  }
+
+  std::string path_, partial_;
+  int file_ = -1;
+  bool kept_ = false;
+};
+
+}  // namespace
+
+void copy_store(const sqlite::Connection& source, const std::string& path) {
+  if (path.empty()) {
+    throw StoreError("TB-STORE-OPEN", "the copy has no name", "name a file that does not exist yet");
+  }
+  refuse_network(path);
+  TakenName name(fs::absolute(path).string());
+  {
+    sqlite::Connection target(name.partial(), sqlite::Access::kReadWrite);
+    target.execute("PRAGMA journal_mode = MEMORY");
+    source.copy_to(target);
+  }
+  name.keep();
+}
+
+std::string free_name(const std::string& wanted) {
+  std::string name = wanted;
+  for (int i = 2; fs::exists(name); ++i) name = fmt::format("{}.{}", wanted, i);
+  return name;
+}
+
+std::string backup_path(const std::string& path, int version) {
+  return free_name(fmt::format("{}.schema-{}.backup", path, version));
+}
+
+void migrate_store(sqlite::Connection& connection, const std::string& path, const Migrations& known) {
+  check_version(connection, known);
+  refuse_foreign(connection, Additions::kRefuse, known);
+  const auto version = static_cast<std::size_t>(connection.integer("PRAGMA user_version"));
+  if (version > 0 && version < known.size()) copy_store(connection, backup_path(path, static_cast<int>(version)));
+  // The first migration runs before WAL, so that the application id is in the file itself and never only in the log.
+  connection.execute("PRAGMA page_size = 4096; PRAGMA synchronous = FULL");
+  migrate(connection, known);
+}
+
+int schema_version_of(const std::string& path) {
+  if (check_store_file(path) != FileKind::kStore) {
+    throw StoreError(
+        "TB-STORE-OPEN",
+        fmt::format("store {}: {}", path, fs::exists(path) ? "the file is empty" : "there is no such file"),
+        "name an existing store");
+  }
+  refuse_network(path);
+  // A journal next to it: the creation or migration was interrupted, and SQLite rolls it back.
+  const bool half = fs::exists(path + "-journal");
+  sqlite::Connection connection(fs::absolute(path).string(),
+                                half ? sqlite::Access::kReadWrite : sqlite::Access::kReadOnly);
+  check_version(connection);
+  return static_cast<int>(connection.integer("PRAGMA user_version"));
 }
 
 }  // namespace tactbench::db

@@ -98,7 +98,7 @@ RunLog load_run_log(const StoredRun& run) {
   return history;
 }
 
-void add_earlier_seating(RunLog& history, const db::RunStore& store, const db::RunRecord& run) {
+void add_earlier_seating(RunLog& history, const db::RunReader& store, const db::RunRecord& run) {
   const db::CheckRecord* own = newest_seating(history);
   if (own == nullptr) return;
   for (const char* verdict : {"pass", "warning"}) {

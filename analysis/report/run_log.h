@@ -47,6 +47,6 @@ struct RunLog {
 // Reads only the run: the sensor's earlier seating is left empty.
 RunLog load_run_log(const StoredRun& run);
 // Fills in earlier_seating_v and earlier_seating_run of `history`. Throws StoreError.
-void add_earlier_seating(RunLog& history, const db::RunStore& store, const db::RunRecord& run);
+void add_earlier_seating(RunLog& history, const db::RunReader& store, const db::RunRecord& run);
 
 }  // namespace tactbench::analysis

@@ -14,6 +14,7 @@
 #include "bench/common/error_table.h"
 #include "bench/common/standard_streams.h"
 #include "db/run_store.h"
+#include "db/store_file.h"
 #include "sequences/toml/strict_toml.h"
 
 namespace tactbench::bench {

@@ -12,7 +12,7 @@
 #include "analysis/report/document/document.h"
 #include "bench/common/terminal.h"
 #include "bench/reporting/named_evaluation.h"
-#include "db/utf8.h"
+#include "db/remarks.h"
 
 namespace tactbench::bench {
 

@@ -10,7 +10,7 @@
 #include "analysis/error.h"
 #include "analysis/json_io.h"
 #include "bench/common/terminal.h"
-#include "db/fleet/fleet_error.h"
+#include "db/fleet/postgres.h"
 #include "db/run_store.h"
 #include "devices/device.h"
 #include "sequences/toml/strict_toml.h"

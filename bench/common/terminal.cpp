@@ -13,7 +13,7 @@
 #include <mutex>
 
 #include "bench/common/error.h"
-#include "db/utf8.h"
+#include "db/remarks.h"
 
 namespace tactbench::bench {
 namespace {

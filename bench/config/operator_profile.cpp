@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "analysis/pressure_unit.h"
-#include "db/utf8.h"
+#include "db/remarks.h"
 #include "sequences/toml/key_table.h"
 
 namespace tactbench::bench {

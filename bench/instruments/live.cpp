@@ -24,7 +24,7 @@
 #include "bench/common/terminal.h"
 #include "bench/instruments/check.h"
 #include "bench/rig/rig.h"
-#include "db/scan_means.h"
+#include "db/record.h"
 #include "devices/device.h"
 
 namespace tactbench::bench {

@@ -13,7 +13,7 @@
 #include "analysis/identify/histories.h"
 #include "analysis/json_io.h"
 #include "analysis/scanner_scale.h"
-#include "db/run_frame_reader.h"
+#include "db/run_reader.h"
 
 namespace tactbench::bench {
 namespace {
@@ -205,7 +205,7 @@ std::vector<double> unloaded_of(const std::optional<Seating>& seating) {
 
 }  // namespace
 
-std::optional<ArrayBasis> array_basis(const db::RunStore& store, const db::RunRecord& run) try {
+std::optional<ArrayBasis> array_basis(const db::RunReader& store, const db::RunRecord& run) try {
   return ArrayBasis{analysis::volts_per_count(run), unloaded_of(seating_of(store.checks(run.run)))};
 } catch (const analysis::AnalysisError&) {
   return std::nullopt;
@@ -231,7 +231,7 @@ ArrayView view_of_frame(const ArrayBasis& basis, const db::StoredFrame& frame, a
   return view;
 }
 
-std::optional<ArrayView> newest_array(const db::RunStore& store, const db::RunRecord& run,
+std::optional<ArrayView> newest_array(const db::RunReader& store, const db::RunRecord& run,
                                       analysis::PressureUnit unit) {
   const std::optional<db::StoredFrame> frame = db::RunFrameReader(store, run.run).newest();
   const std::optional<Seating> seating = seating_of(store.checks(run.run));

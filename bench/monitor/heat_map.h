@@ -10,7 +10,7 @@
 
 #include "analysis/pressure_unit.h"
 #include "bench/common/terminal.h"
-#include "db/run_frame_reader.h"
+#include "db/run_reader.h"
 #include "db/run_store.h"
 
 namespace tactbench::bench {
@@ -33,12 +33,12 @@ struct ArrayBasis {
   std::vector<double> unloaded_v;  // by the newest seating check; empty: there is none
 };
 // None: the scanner's scale is not known yet. Throws StoreError.
-std::optional<ArrayBasis> array_basis(const db::RunStore& store, const db::RunRecord& run);
+std::optional<ArrayBasis> array_basis(const db::RunReader& store, const db::RunRecord& run);
 ArrayView view_of_frame(const ArrayBasis& basis, const db::StoredFrame& frame,
                         analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
 
 // None: the run has neither a frame nor a seating check, or its scanner's scale is not known yet. Throws StoreError.
-std::optional<ArrayView> newest_array(const db::RunStore& store, const db::RunRecord& run,
+std::optional<ArrayView> newest_array(const db::RunReader& store, const db::RunRecord& run,
                                       analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
 
 enum class Shades { kColours, kCharacters };

@@ -21,7 +21,7 @@ namespace {
 
 // Whether the scenario's runs have the same frames as the runs that start with `earlier`. A scenario's runs have
 // successive numbers and one purpose.
-bool same_frames(const db::RunStore& store, const std::vector<ScenarioRun>& runs, std::int64_t earlier) {
+bool same_frames(const db::RunReader& store, const std::vector<ScenarioRun>& runs, std::int64_t earlier) {
   const std::string purpose = store.run(earlier).purpose;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const std::int64_t number = earlier + static_cast<std::int64_t>(i);
@@ -181,7 +181,7 @@ bool same_fit(const db::FitRecord& a, const db::FitRecord& b) {
   return said(a) == said(b);
 }
 
-void copy_figures(const db::RunStore& other, std::int64_t there, db::RunStore& store, std::int64_t here) {
+void copy_figures(const db::Models& other, std::int64_t there, db::Models& store, std::int64_t here) {
   const std::set<std::string> known = [&] {
     const std::vector<std::string> subjects = store.subjects_of(here);
     return std::set(subjects.begin(), subjects.end());
@@ -194,7 +194,7 @@ void copy_figures(const db::RunStore& other, std::int64_t there, db::RunStore& s
 
 }  // namespace
 
-std::size_t copy_fits(const db::RunStore& other, std::int64_t there, db::RunStore& store, std::int64_t here) {
+std::size_t copy_fits(const db::RunStore& other, std::int64_t there, db::Models& store, std::int64_t here) {
   if (const std::vector<std::string> wrong = other.check_seals(there); !wrong.empty())
     throw db::StoreError(
         "TB-STORE-CONFLICT",

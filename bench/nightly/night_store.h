@@ -40,7 +40,7 @@ std::vector<SubjectTrend> compare_night(const Suite& suite, std::vector<Scenario
 // Run `there` of `other` and run `here` of `store` have the same content. Copies the fits that `store` does not have,
 // with their verdicts on this run, and the figures of subjects that have none here. Returns the number of fits. Throws
 // StoreError TB-STORE-CONFLICT if they have changed since they were stored.
-std::size_t copy_fits(const db::RunStore& other, std::int64_t there, db::RunStore& store, std::int64_t here);
+std::size_t copy_fits(const db::RunStore& other, std::int64_t there, db::Models& store, std::int64_t here);
 
 // Merges several stores into one: runs, figures, baselines, and the parts of a nightly run that several machines
 // carried out. The merged night equals the night of one machine: the same runs with the same numbers, figures and

@@ -54,7 +54,7 @@ void chart(TrendFigure& figure, const SubjectTrend& followed, const std::map<std
 
 }  // namespace
 
-TrendReader::TrendReader(const db::RunStore& store, const std::string& subject)
+TrendReader::TrendReader(const db::Models& store, const std::string& subject)
     : subject_(subject),
       baseline_(store.last_baseline(subject)),
       records_(store.figures(subject)),
@@ -100,7 +100,7 @@ SubjectTrend TrendReader::up_to(std::int64_t run) const {
   return followed;
 }
 
-SubjectTrend follow(const db::RunStore& store, const std::string& subject) {
+SubjectTrend follow(const db::Models& store, const std::string& subject) {
   return TrendReader(store, subject).up_to(std::numeric_limits<std::int64_t>::max());
 }
 
@@ -118,7 +118,7 @@ void judge_shifts(const std::vector<SubjectTrend*>& family) {
   for (std::size_t i = 0; i < charted.size(); ++i) charted[i]->shifted = reported[i];
 }
 
-SubjectTrend trend_of_subject(const db::RunStore& store, const std::string& subject) {
+SubjectTrend trend_of_subject(const db::Models& store, const std::string& subject) {
   SubjectTrend followed = follow(store, subject);
   judge_shifts({&followed});
   return followed;

@@ -46,7 +46,7 @@ struct SubjectTrend {
 // The records of a subject in a store, read once.
 class TrendReader {
  public:
-  TrendReader(const db::RunStore& store, const std::string& subject);
+  TrendReader(const db::Models& store, const std::string& subject);
   // The trend as it was when `run` was the newest run. No figure is `shifted` yet: judge_shifts() decides that.
   // Values that are not numbers are left out. Empty for an unknown subject.
   [[nodiscard]] SubjectTrend up_to(std::int64_t run) const;
@@ -59,12 +59,12 @@ class TrendReader {
   std::map<std::int64_t, std::int64_t> repeated_, same_seeds_;  // run -> the earlier one
 };
 // The trend up to the newest run.
-SubjectTrend follow(const db::RunStore& store, const std::string& subject);
+SubjectTrend follow(const db::Models& store, const std::string& subject);
 // Sets `shifted` by the false discovery rate over all charts of these subjects (control_chart.h). Constants and
 // figures without a chart are not counted.
 void judge_shifts(const std::vector<SubjectTrend*>& family);
 // follow() and judge_shifts() with only the subject's figures.
-SubjectTrend trend_of_subject(const db::RunStore& store, const std::string& subject);
+SubjectTrend trend_of_subject(const db::Models& store, const std::string& subject);
 
 // Sets `outlier` among at least five sensors that have the same figure for the same recipes and model: an outlier
 // exceeds kOutlierScore, as on a batch page, and differs from the median by more than a tenth of it.

@@ -245,7 +245,7 @@ constexpr std::uint64_t kHeldOutSeeds =
 constexpr const char* kSpecimenNote = "simulated array of the nightly suite";
 constexpr const char* kNightOperator = "nightly";
 
-db::SensorRecord add_specimen(const Scenario& scenario, db::RunStore& store) {
+db::SensorRecord add_specimen(const Scenario& scenario, db::RunWriter& store) {
   const SensorType type = read_sensor_type(find_config("sensor.toml"));
   db::SensorRecord sensor{fmt::format("SIM-{:04}", scenario.sensor_seed),
                           type.name,

@@ -34,7 +34,7 @@ nlohmann::json rounded_all(const Values& values, double steps) {
 double psi_or_n(const db::StoredFrame& frame) { return frame.wrench ? -frame.wrench->wrench[2] : frame.reference_psi; }
 
 // The whole array's models of that run; none: it has no models that can compensate frames.
-std::optional<analysis::SensorModel> models_of(const db::RunStore& store, std::int64_t run) {
+std::optional<analysis::SensorModel> models_of(const db::Models& store, std::int64_t run) {
   const std::optional<db::FitRecord> record = store.default_fit(run);
   if (!record) return std::nullopt;
   analysis::SensorModel model = analysis::load_model(fmt::format("{}:{}", run, record->fit), &store);

@@ -10,7 +10,7 @@
 
 #include "analysis/identify/sensor_model.h"
 #include "bench/monitor/heat_map.h"
-#include "db/run_frame_reader.h"
+#include "db/run_reader.h"
 
 namespace tactbench::bench {
 

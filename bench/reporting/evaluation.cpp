@@ -57,7 +57,7 @@ std::vector<NamedEvaluation> evaluate_runs(analysis::Runs& runs, const analysis:
   return evaluations;
 }
 
-std::string record_sensor_trend(db::RunStore& store, const db::RunRecord& run, const analysis::SensorModel& fit,
+std::string record_sensor_trend(db::Models& store, const db::RunRecord& run, const analysis::SensorModel& fit,
                                 const analysis::Evaluation& own) {
   if (run.sensor_serial.empty()) return {};
   std::string recipes;
@@ -112,7 +112,7 @@ analysis::ReportInput report_input(analysis::Runs& runs, std::int64_t run, const
   return input;
 }
 
-std::string report_path(const db::RunStore& store, const std::string& name) {
+std::string report_path(const db::RunReader& store, const std::string& name) {
   return (std::filesystem::path(store.path()).parent_path() / "reports" / name).string();
 }
 

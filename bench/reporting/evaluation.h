@@ -31,7 +31,7 @@ std::vector<NamedEvaluation> evaluate_runs(analysis::Runs& runs, const analysis:
 
 // Stores the figures of the fit on its own run `run` under "sensor/SERIAL/RECIPES", of the dynamic model under
 // ".../dynamic", for trend and baselines; returns that subject; empty for an imported run, which has no sensor.
-std::string record_sensor_trend(db::RunStore& store, const db::RunRecord& run, const analysis::SensorModel& fit,
+std::string record_sensor_trend(db::Models& store, const db::RunRecord& run, const analysis::SensorModel& fit,
                                 const analysis::Evaluation& own);
 
 // The figures of a stored fit of ELAM or the dynamic model, which may represent its run; other models have none.
@@ -52,6 +52,6 @@ std::string write_report(analysis::Runs& runs, const analysis::SensorModel& fit,
                          std::string path, std::string* number, const ReportExtras& extras = {}, bool replace = false);
 
 // reports/NAME next to the store.
-std::string report_path(const db::RunStore& store, const std::string& name);
+std::string report_path(const db::RunReader& store, const std::string& name);
 
 }  // namespace tactbench::bench

@@ -155,7 +155,7 @@ analysis::Evidence gather_evidence(analysis::Runs& runs, const analysis::SensorM
   return evidence;
 }
 
-std::optional<std::int64_t> run_of_source(const db::RunStore& store, const analysis::SensorDynamics::Source& source) {
+std::optional<std::int64_t> run_of_source(const db::RunReader& store, const analysis::SensorDynamics::Source& source) {
   if (source.content_sha256.empty()) {
     const std::vector<db::RunRecord> runs = store.runs();
     const bool there = std::ranges::find(runs, source.run, &db::RunRecord::run) != runs.end();
@@ -166,7 +166,7 @@ std::optional<std::int64_t> run_of_source(const db::RunStore& store, const analy
   return std::ranges::find(same, source.run, &db::RunRecord::run) != same.end() ? source.run : same.front().run;
 }
 
-std::vector<std::int64_t> source_runs(const db::RunStore& store, const analysis::SensorModel& fit) {
+std::vector<std::int64_t> source_runs(const db::RunReader& store, const analysis::SensorModel& fit) {
   std::vector<std::int64_t> numbers;
   if (fit.run != 0) numbers.push_back(fit.run);
   if (!fit.dynamics) return numbers;

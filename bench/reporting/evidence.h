@@ -38,10 +38,10 @@ analysis::Evidence gather_evidence(analysis::Runs& runs, const analysis::SensorM
 // The number in this store of a run from which lag or creep was fitted. Runs get new numbers in a copy of a store, so
 // the run is identified by its content hash, or by its number if the model has no hash. None: the store does not have
 // it.
-std::optional<std::int64_t> run_of_source(const db::RunStore& store, const analysis::SensorDynamics::Source& source);
+std::optional<std::int64_t> run_of_source(const db::RunReader& store, const analysis::SensorDynamics::Source& source);
 
 // Each run once, the fitted run first; runs that this store does not have are left out.
-std::vector<std::int64_t> source_runs(const db::RunStore& store, const analysis::SensorModel& fit);
+std::vector<std::int64_t> source_runs(const db::RunReader& store, const analysis::SensorModel& fit);
 
 // Checks the runs that are named on the command line: which of them a verb may use.
 struct RunSelectionRules {

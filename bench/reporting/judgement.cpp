@@ -36,7 +36,7 @@ std::vector<std::int64_t> further_sources(const db::RunStore& store, std::int64_
   }
 }
 
-void store_judgement(db::RunStore& store, std::int64_t fit, const Judgement& judgement) {
+void store_judgement(db::Models& store, std::int64_t fit, const Judgement& judgement) {
   std::map<std::int64_t, std::vector<db::VerdictRecord>> rows;  // by run
   for (const JudgedFigure& figure : judgement.figures)
     rows[figure.run].push_back(analysis::record_of(figure, judgement.limits_toml));
@@ -120,7 +120,7 @@ const JudgedFigure* Standing::deciding() const {
   return found;
 }
 
-std::int64_t reporting_run(const db::RunStore& store, const Standing& of, std::int64_t run) {
+std::int64_t reporting_run(const db::Models& store, const Standing& of, std::int64_t run) {
   if (const std::int64_t models = of.models_run(); models != 0) return models;
   return store.default_fit(run) ? run : 0;
 }

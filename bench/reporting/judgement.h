@@ -54,7 +54,7 @@ struct Standing {
 Standing standing(const db::RunStore& store, std::int64_t run);
 // The run whose report covers this one: the run of the models by which it was judged, else itself if it has models; 0:
 // neither.
-std::int64_t reporting_run(const db::RunStore& store, const Standing& of, std::int64_t run);
+std::int64_t reporting_run(const db::Models& store, const Standing& of, std::int64_t run);
 
 // Computes the figures of a run that judge() compares with limits, from datasets and uncertainty budgets.
 

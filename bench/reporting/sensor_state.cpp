@@ -19,7 +19,7 @@ namespace {
 using analysis::doc::number_with_u;
 
 // Whether the run completed and its frames can be read.
-bool can_be_checked(const db::RunStore& store, const db::RunRecord& run) {
+bool can_be_checked(const db::RunReader& store, const db::RunRecord& run) {
   return run.outcome == db::Outcome::kCompleted && !store.pruned(run.run);
 }
 
@@ -86,7 +86,7 @@ std::string yes_or_no(const SensorDrift& found) {
 
 }  // namespace
 
-std::optional<db::FitRecord> earlier_models(const db::RunStore& store, const std::vector<db::RunRecord>& runs,
+std::optional<db::FitRecord> earlier_models(const db::Models& store, const std::vector<db::RunRecord>& runs,
                                             const db::RunRecord& run) {
   const std::vector<db::VerdictRecord> verdicts = store.verdicts(run.run);
   std::optional<db::FitRecord> judged;

@@ -31,7 +31,7 @@ struct SensorState {
 
 // The current fit of the newest run before `run` that has models which were not judged on `run`; else of the newest
 // that has any. `runs`: of a sensor, oldest first.
-std::optional<db::FitRecord> earlier_models(const db::RunStore& store, const std::vector<db::RunRecord>& runs,
+std::optional<db::FitRecord> earlier_models(const db::Models& store, const std::vector<db::RunRecord>& runs,
                                             const db::RunRecord& run);
 
 // `drift`: of the newest run on which earlier models can be checked. Models judged on that run belong to the same

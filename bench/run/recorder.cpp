@@ -28,7 +28,7 @@ double seconds_since(RealClock::time_point begun) {
 
 }  // namespace
 
-Recorder::Recorder(db::RunStore& store, std::int64_t run, const devices::Clock& clock, devices::Nanoseconds offset)
+Recorder::Recorder(db::RunWriter& store, std::int64_t run, const devices::Clock& clock, devices::Nanoseconds offset)
     : store_(store), run_(run), clock_(clock), offset_(offset), void_frames_(store.void_frame_count(run)) {
   for (const db::BranchRecord& branch : store.branches(run)) {
     int& next = attempts_[{branch.sequence, branch.repeat, branch.ordinal}];

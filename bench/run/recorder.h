@@ -38,7 +38,7 @@ class Recorder {
  public:
   // `offset` is added to the clock's time, so that the time of a resumed run continues. The count of attempts continues
   // from the stored ones.
-  Recorder(db::RunStore& store, std::int64_t run, const devices::Clock& clock, devices::Nanoseconds offset = {});
+  Recorder(db::RunWriter& store, std::int64_t run, const devices::Clock& clock, devices::Nanoseconds offset = {});
 
   // Transformation of texts before they are stored (bench/simulation/ephemeral_addresses.h); without it they are stored
   // unchanged.
@@ -87,7 +87,7 @@ class Recorder {
     devices::Nanoseconds time{0};
     float setpoint_psi = 0.0F, feedback_psi = 0.0F, reference_psi = 0.0F;
   };
-  db::RunStore& store_;
+  db::RunWriter& store_;
   std::int64_t run_;
   const devices::Clock& clock_;
   devices::Nanoseconds offset_;

@@ -33,7 +33,7 @@ void check_same_recipes(const db::RunRecord& record, const std::vector<sequences
 
 }  // namespace
 
-ResumePoint reopen(db::RunStore& store, std::int64_t run, const std::vector<sequences::Recipe>& recipes,
+ResumePoint reopen(db::RunWriter& store, std::int64_t run, const std::vector<sequences::Recipe>& recipes,
                    const std::vector<Step>& steps) {
   const db::RunRecord record = store.run(run);
   ResumePoint point;

@@ -21,10 +21,10 @@ struct ResumePoint {
   std::string had_ended;  // how the run had ended, as text
 };
 
-// Reopens the run (db::RunStore::reopen_run) and voids what must be repeated; deletes nothing. `steps`: compile()
+// Reopens the run (db::RunWriter::reopen_run) and voids what must be repeated; deletes nothing. `steps`: compile()
 // of the recipes. Throws StoreError; Error TB-RUN-COMPLETED, and TB-RUN-CHANGED if the stored data do not fit `recipes`
 // and `steps`.
-ResumePoint reopen(db::RunStore& store, std::int64_t run, const std::vector<sequences::Recipe>& recipes,
+ResumePoint reopen(db::RunWriter& store, std::int64_t run, const std::vector<sequences::Recipe>& recipes,
                    const std::vector<sequences::Step>& steps);
 
 }  // namespace tactbench::bench

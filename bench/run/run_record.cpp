@@ -128,7 +128,7 @@ void check_same_devices(const db::RunRecord& begun, const std::vector<db::Device
   }
 }
 
-void keep_devices(db::RunStore& store, std::int64_t run, const std::vector<db::DeviceRecord>& devices) {
+void keep_devices(db::RunWriter& store, std::int64_t run, const std::vector<db::DeviceRecord>& devices) {
   const db::RunRecord begun = store.run(run);
   if (!begun.devices.empty()) return check_same_devices(begun, devices);
   try {
@@ -139,7 +139,7 @@ void keep_devices(db::RunStore& store, std::int64_t run, const std::vector<db::D
   }
 }
 
-std::optional<double> rest_of_sensor(const db::RunStore& store, const std::string& sensor_serial, std::int64_t run) {
+std::optional<double> rest_of_sensor(const db::RunReader& store, const std::string& sensor_serial, std::int64_t run) {
   std::optional<double> rest;
   for (const db::RunRecord& before : store.runs({.sensor_serial = sensor_serial})) {
     if (before.run >= run || before.sensor_serial != sensor_serial) continue;

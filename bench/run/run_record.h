@@ -69,8 +69,9 @@ struct RunResult {
 }  // namespace tactbench::bench
 
 namespace tactbench::db {
-class RunStore;
-}
+class RunReader;
+class RunWriter;
+}  // namespace tactbench::db
 
 namespace tactbench::bench {
 
@@ -87,8 +88,8 @@ void check_geometry(const RunRequest& request);
 void check_same_devices(const db::RunRecord& begun, const std::vector<db::DeviceRecord>& now);
 // Stores the devices with the run if it has none yet; else compares them as check_same_devices() does. Throws Fault
 // TB-DEVICE-NAME for a device that reports a model, serial number or firmware that the store does not accept.
-void keep_devices(db::RunStore& store, std::int64_t run, const std::vector<db::DeviceRecord>& devices);
+void keep_devices(db::RunWriter& store, std::int64_t run, const std::vector<db::DeviceRecord>& devices);
 // Seconds since this sensor was last loaded, by the runs of the store before `run`; none: never.
-std::optional<double> rest_of_sensor(const db::RunStore& store, const std::string& sensor_serial, std::int64_t run);
+std::optional<double> rest_of_sensor(const db::RunReader& store, const std::string& sensor_serial, std::int64_t run);
 
 }  // namespace tactbench::bench

@@ -11,7 +11,7 @@
 #include "analysis/pressure_unit.h"
 #include "bench/common/process_time.h"
 #include "bench/safety/ramp.h"
-#include "db/scan_means.h"
+#include "db/record.h"
 #include "devices/device.h"
 
 namespace tactbench::bench {

@@ -101,7 +101,7 @@ std::vector<double> in_volts(const double* counts, std::size_t taxels, double vo
 }
 
 // Empty where no check has this shape.
-std::optional<analysis::SeatingFrames> last_seating(const db::RunStore& store, const RunRequest& request,
+std::optional<analysis::SeatingFrames> last_seating(const db::RunReader& store, const RunRequest& request,
                                                     std::int64_t run, std::size_t taxels) {
   for (const char* verdict : {"pass", "warning"}) {
     // A resumed run is compared with its own first seating.
@@ -145,7 +145,7 @@ std::string why_not(const RunRequest& request, const sequences::Extremes& extrem
 // with the sensor's last passed seating, else with its last seating marked as a warning. Stores a check "seating"; its
 // data are the unloaded and then the loaded mean counts, rows x columns each. Skipped, with an event, if the request or
 // the recipes use no pressure. Warnings go to `board`. Throws Error TB-SEATING and the exceptions of the sequencer.
-void check_seat(Sequencer& sequencer, Recorder& recorder, const db::RunStore& store, const RunRequest& request,
+void check_seat(Sequencer& sequencer, Recorder& recorder, const db::RunReader& store, const RunRequest& request,
                 const UnloadedFrame& unloaded, StatusBoard& board) {
   const sequences::Extremes extremes = sequences::extremes(sequences::compile(request.recipes));
   const double psi = std::min(kHighestPsi, extremes.highest.value());
@@ -192,7 +192,7 @@ void check_seat(Sequencer& sequencer, Recorder& recorder, const db::RunStore& st
 
 }  // namespace
 
-void prepare_sensor(Sequencer& sequencer, Recorder& recorder, const db::RunStore& store, const RunRequest& request,
+void prepare_sensor(Sequencer& sequencer, Recorder& recorder, const db::RunReader& store, const RunRequest& request,
                     const UnloadedFrame& baseline, StatusBoard& board) {
   (void)sequencer.times().start(Spent::kSetup);
   const UnloadedFrame unloaded = warm_up(sequencer, recorder, request.recipes.front().warm_up, baseline, board);

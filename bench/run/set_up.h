@@ -11,7 +11,7 @@
 #include "sequences/recipe.h"
 
 namespace tactbench::db {
-class RunStore;
+class RunReader;
 }
 
 namespace tactbench::bench {
@@ -24,7 +24,7 @@ void record_environment(Rig& rig, Recorder& recorder);  // one event per sensor
 void check_scanner(const RunRequest& request, const std::string& serial);
 // Warm-up by the first recipe's criterion, then seating; each stored as a check. Throws Error TB-SEATING and the
 // exceptions of the sequencer; after Suspended it may be called again.
-void prepare_sensor(Sequencer& sequencer, Recorder& recorder, const db::RunStore& store, const RunRequest& request,
+void prepare_sensor(Sequencer& sequencer, Recorder& recorder, const db::RunReader& store, const RunRequest& request,
                     const UnloadedFrame& baseline, StatusBoard& board);
 
 // State of the simulated specimen between runs: the film's memory, kept in a file; and the object that presses on it.

@@ -61,7 +61,7 @@ std::vector<std::pair<std::string, std::string>> recipe_overrides(const std::vec
 }
 
 // The last frame whose sequence is at most `sequence`; frames are stored sequence after sequence.
-std::int64_t end_of(const db::RunStore& store, std::int64_t run, int sequence, std::int64_t last) {
+std::int64_t end_of(const db::RunReader& store, std::int64_t run, int sequence, std::int64_t last) {
   std::int64_t low = 0, high = last;
   while (low < high) {
     const std::int64_t middle = low + (high - low + 1) / 2;
@@ -137,8 +137,8 @@ TimeEstimate::TimeEstimate(const std::vector<Recipe>& recipes, const std::vector
   }
 }
 
-void TimeEstimate::learn(const db::RunStore& store, const std::string& bench_id, const std::vector<Override>& overrides,
-                         bool remaining_too) {
+void TimeEstimate::learn(const db::RunReader& store, const std::string& bench_id,
+                         const std::vector<Override>& overrides, bool remaining_too) {
   const auto ours = recipe_overrides(overrides);
   for (const db::TimedSequence& stored : store.timed_sequences(bench_id, kRunsLookedAt)) {
     const auto same = [&](const Part& part) {

@@ -37,7 +37,7 @@ class TimeEstimate {
   // Replaces the model by the data of `store`: completed runs of bench `bench_id` with the same recipe text and the
   // same recipe overrides. `remaining_too`: also learns how time passed within the runs, which takes some milliseconds
   // more; without it remaining() follows the model. Throws StoreError.
-  void learn(const db::RunStore& store, const std::string& bench_id, const std::vector<sequences::Override>& overrides,
+  void learn(const db::RunReader& store, const std::string& bench_id, const std::vector<sequences::Override>& overrides,
              bool remaining_too);
 
   [[nodiscard]] TimeBand total() const { return remaining(0); }

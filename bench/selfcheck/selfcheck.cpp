@@ -19,7 +19,7 @@
 #include "bench/reporting/evaluation.h"
 #include "bench/reporting/verification.h"
 #include "bench/run/characterize.h"
-#include "db/library_versions.h"
+#include "db/run_store.h"
 #include "devices/library_versions.h"
 #include "sequences/library_versions.h"
 

@@ -15,13 +15,12 @@
 #include <regex>
 
 namespace tactbench::db::fleet {
-
 namespace {
 
 using Time = std::chrono::steady_clock;
 
-// libpq is loaded when it is first asked for: with what it needs (Kerberos, LDAP) it would take half as long again to
-// start the program.
+// libpq is loaded on first use: with the libraries that it needs (Kerberos, LDAP) the program would take half as long
+// again to start.
 // clang-format off
 #define TACTBENCH_LIBPQ(X) \
   X(PQclear) X(PQconnectPoll) X(PQconnectStartParams) X(PQconnectionNeedsPassword) \
@@ -222,7 +221,7 @@ void Link::State::fail(const PGresult* result) const {
                      fmt::format("fleet {}: user {} may not do this: {}", where, libpq().PQuser(handle), said),
                      "benches log in as members of tactbench_bench, readers of tactbench_analyst; only a user who may "
                      "create schemas and roles can make the schema");
-  if (state == "TB001")  // db/fleet/schema.cpp
+  if (state == "TB001")  // db/fleet/runs.cpp
     throw FleetError(
         FleetCause::kStore, "TB-FLEET-OWNER", fmt::format("fleet {}: {}", where, said),
         "only the role that pushed the run first may add to it; the database's owner can transfer it: UPDATE "

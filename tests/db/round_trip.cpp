@@ -6,6 +6,7 @@
 #include "bench/common/error.h"
 #include "db/hash_chain.h"
 #include "db/sqlite.h"
+#include "db/store_file.h"
 #include "tests/db/new_store.h"
 #include "tests/db/store_example.h"
 #include "tests/support/process.h"

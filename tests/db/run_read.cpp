@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "db/run_frame_reader.h"
+#include "db/run_reader.h"
 #include "db/sqlite.h"
 #include "tests/db/new_store.h"
 

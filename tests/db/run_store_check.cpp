@@ -3,6 +3,7 @@
 
 #include "db/schema.h"
 #include "db/sqlite.h"
+#include "db/store_file.h"
 #include "tests/db/store_example.h"
 #include "tests/support/process.h"
 

@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "db/scan_means.h"
+#include "db/record.h"
 
 using namespace tactbench;
 

@@ -8,7 +8,7 @@
 #include "db/run_store.h"
 #include "db/schema.h"
 #include "db/sqlite.h"
-#include "db/store_snapshot.h"
+#include "db/store_file.h"
 #include "tests/db/new_store.h"
 
 using namespace tactbench;

@@ -7,10 +7,10 @@
 #include <filesystem>
 
 #include "bench/common/error.h"
-#include "db/library_versions.h"
+#include "db/remarks.h"
+#include "db/run_store.h"
 #include "db/schema.h"
 #include "db/sqlite.h"
-#include "db/utf8.h"
 #include "tests/db/new_store.h"
 #include "tests/db/store_example.h"
 #include "tests/support/paths.h"

@@ -1,5 +1,5 @@
 // UTF-8 by RFC 3629, all of it.
-#include "db/utf8.h"
+#include "db/remarks.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "bench/common/terminal.h"
-#include "db/utf8.h"
+#include "db/remarks.h"
 
 using namespace tactbench;
 

@@ -325,7 +325,7 @@ SensorModel load_fit(const db::FitRecord& record) {
   return fit;
 }
 
-SensorModel load_fit(const db::RunStore& store, std::int64_t run) {
+SensorModel load_fit(const db::Models& store, std::int64_t run) {
   const std::optional<db::FitRecord> record = store.default_fit(run);
   if (!record)
     throw AnalysisError("TB-ANALYSIS-NO-FIT", fmt::format("run {} has no stored fit", run),
@@ -333,7 +333,7 @@ SensorModel load_fit(const db::RunStore& store, std::int64_t run) {
   return load_fit(*record);
 }
 
-SensorModel load_model(const std::string& model, const db::RunStore* store) {
+SensorModel load_model(const std::string& model, const db::Models* store) {
   const auto colon = model.find(':');
   const auto run = number_from(std::string_view(model).substr(0, colon));
   if (!run) {

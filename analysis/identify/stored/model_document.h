@@ -25,7 +25,7 @@ std::string sha256_of(const SensorModel& model);  // of that text
 SensorModel document_from_text(const std::string& text, const std::string& file);
 
 // MODEL of the command line: the path of a .json, or RUN[:FIT] in `store` (nullptr: paths only).
-SensorModel load_model(const std::string& model, const db::RunStore* store);
+SensorModel load_model(const std::string& model, const db::Models* store);
 // The model with its options, as tables name it: "elam", "elam, free run".
 std::string label_of(const SensorModel& model);
 
@@ -39,7 +39,7 @@ SensorModel document_of(const db::FitRecord& record);
 // The same with the run's and the fit's number in this store. Of a run: its standing fit, TB-ANALYSIS-NO-FIT when it
 // has none.
 SensorModel load_fit(const db::FitRecord& record);
-SensorModel load_fit(const db::RunStore& store, std::int64_t run);
+SensorModel load_fit(const db::Models& store, std::int64_t run);
 
 // Additional members of a dynamic model's document: "dynamics", and three members per taxel.
 nlohmann::ordered_json dynamics_json(const SensorDynamics& dynamics);

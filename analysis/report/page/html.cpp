@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <stdexcept>
 
-#include "db/utf8.h"
+#include "db/remarks.h"
 
 namespace tactbench::analysis::html {
 namespace {

@@ -17,7 +17,7 @@
 #include "analysis/json_io.h"
 #include "analysis/scanner_scale.h"
 #include "analysis/statistics/figures/levels.h"
-#include "db/scan_means.h"
+#include "db/record.h"
 
 namespace tactbench::analysis {
 namespace {

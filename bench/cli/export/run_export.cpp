@@ -122,7 +122,7 @@ const db::BranchRecord& branch_in(const std::vector<db::BranchRecord>& branches,
 // line per scan: the values of its frame, raw counts and, if the scanner's volts per count are stored, volts. Times
 // have all their digits, volts seven; a value that was not measured is empty. Written frame by frame, because a long
 // run does not fit in memory.
-void frames_csv(const db::RunStore& store, const db::RunRecord& run, std::ostream& stream) {
+void frames_csv(const db::RunReader& store, const db::RunRecord& run, std::ostream& stream) {
   const std::vector<db::BranchRecord> branches = store.branches(run.run);
   const std::optional<double> scale = volts_a_count(run);
   std::int64_t position = 0;
@@ -157,7 +157,7 @@ void frames_csv(const db::RunStore& store, const db::RunRecord& run, std::ostrea
   if (position == 0) stream << csv_names(0, 0, false);
 }
 
-void series_csv(const db::RunStore& store, const db::RunRecord& run, std::ostream& stream) {
+void series_csv(const db::RunReader& store, const db::RunRecord& run, std::ostream& stream) {
   stream << kSeriesHead;
   for (const db::SeriesRecord& s : store.series(run.run)) {
     for (std::size_t i = 0; i < s.input.size(); ++i) {

@@ -19,8 +19,7 @@
 #include "bench/common/build_info.h"
 #include "bench/common/private_files.h"
 #include "bench/fleet/facts.h"
-#include "db/fleet/run_archive.h"
-#include "db/fleet/schema.h"
+#include "db/fleet/runs.h"
 
 namespace tactbench::bench {
 

@@ -80,7 +80,7 @@ void choose_model(const FitOptions& options, FitModelsOptions& models) {
     models.elam_reason = "dynamic is made for all sequences and the whole array";
 }
 
-std::vector<std::int64_t> chosen_runs(const std::string& source, const db::RunStore& store, bool void_too) {
+std::vector<std::int64_t> chosen_runs(const std::string& source, const db::RunReader& store, bool void_too) {
   const std::vector<RunRange> ranges = run_ranges(source);
   std::vector<std::int64_t> chosen;
   for (const db::RunRecord& run : store.runs()) {

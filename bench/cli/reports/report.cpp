@@ -32,8 +32,8 @@
 #include "bench/reporting/report_pdf.h"
 #include "bench/reporting/report_results.h"
 #include "bench/reporting/signed_reports.h"
+#include "db/remarks.h"
 #include "db/run_store.h"
-#include "db/utf8.h"
 
 namespace tactbench::bench {
 
@@ -586,7 +586,7 @@ void check_report_options(const ReportOptions& options) {
     refuse(fmt::format("'{}' is not a date", options.issued), "write it as 2026-01-31");
 }
 
-void check_independent_of_dynamics(const db::RunStore& store, const analysis::SensorModel& fit,
+void check_independent_of_dynamics(const db::RunReader& store, const analysis::SensorModel& fit,
                                    const std::vector<std::int64_t>& held_out) {
   if (!fit.dynamics) return;
   for (const std::int64_t run : source_runs(store, fit))

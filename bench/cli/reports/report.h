@@ -46,7 +46,7 @@ void choose_runs(ReportOptions& options, const db::RunStore& store, bool void_to
 void check_report_options(const ReportOptions& options);
 
 // Throws TB-RUN-OWN for a run from which lag or creep of the models was fitted: it is not independent data for them.
-void check_independent_of_dynamics(const db::RunStore& store, const analysis::SensorModel& fit,
+void check_independent_of_dynamics(const db::RunReader& store, const analysis::SensorModel& fit,
                                    const std::vector<std::int64_t>& held_out);
 
 // Checks that models named by RUN:FIT come from a run of the bench and have single taxels. Throws TB-USAGE.

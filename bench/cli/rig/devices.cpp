@@ -171,7 +171,7 @@ struct CheckedSubject {
   SubjectTrend followed;
 };
 
-CheckedSubject checked(db::RunStore& store, const std::string& title, const std::string& subject, std::int64_t run,
+CheckedSubject checked(db::Models& store, const std::string& title, const std::string& subject, std::int64_t run,
                        const std::map<std::string, double>& figures) {
   store.replace_figures(run, subject, figures);
   return {title, run, trend_of_subject(store, subject)};

@@ -18,7 +18,7 @@
 #include "bench/config/config_profile.h"
 #include "bench/config/operator_profile.h"
 #include "bench/nightly/suite.h"
-#include "db/utf8.h"
+#include "db/remarks.h"
 #include "sequences/recipe.h"
 
 namespace tactbench::bench {

@@ -29,7 +29,7 @@ namespace tactbench::bench {
 
 namespace {
 
-db::SensorRecord registered(const db::RunStore& store, const std::string& serial, const std::string& db_path) {
+db::SensorRecord registered(const db::RunReader& store, const std::string& serial, const std::string& db_path) {
   if (const std::optional<db::SensorRecord> sensor = store.sensor(serial)) return *sensor;
   std::vector<std::string> known;
   for (const db::SensorRecord& record : store.sensors()) known.push_back(record.serial);

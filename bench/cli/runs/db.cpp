@@ -17,6 +17,7 @@
 #include "bench/common/utc.h"
 #include "bench/nightly/night_store.h"
 #include "db/run_store.h"
+#include "db/store_file.h"
 
 namespace tactbench::bench {
 

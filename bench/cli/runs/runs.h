@@ -34,7 +34,7 @@ struct MetadataOptions {
 void add_metadata_options(CLI::App& verb, MetadataOptions& options, bool filter = false);
 
 // The options as tags. Throws Error TB-USAGE for a pair without "=", a key named twice, or an invalid tag
-// (db::RunStore::set_tags).
+// (db::Remarks::set_tags).
 std::vector<std::string> metadata_tags(const MetadataOptions& options);
 // Whether a run's metadata matches the filter.
 bool fits_metadata(const MetadataOptions& asked, const db::RunRecord& run);

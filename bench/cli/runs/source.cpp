@@ -14,8 +14,7 @@
 #include "bench/cli/runs/import.h"
 #include "bench/fleet/facts.h"
 #include "bench/reporting/evidence.h"
-#include "db/fleet/run_archive.h"
-#include "db/fleet/schema.h"
+#include "db/fleet/runs.h"
 
 namespace tactbench::bench {
 
@@ -31,7 +30,7 @@ analysis::HistoriesOptions options_of(const TableOptions& table, const std::vect
 namespace {
 
 // The series of an imported run, with the units that its table was given.
-analysis::Histories imported(const db::RunStore& store, const db::RunRecord& run,
+analysis::Histories imported(const db::RunReader& store, const db::RunRecord& run,
                              const analysis::HistoriesOptions& options) {
   std::vector<analysis::TableSeries> series;
   for (const db::SeriesRecord& record : store.series(run.run)) {

@@ -218,7 +218,7 @@ std::map<std::string, std::vector<std::int64_t>> chosen_runs(const BaselineOptio
 }
 
 // The runs of each subject without repetitions. Nothing is accepted if a subject has too few.
-std::size_t counted_runs(const db::RunStore& store, const std::string& subject, const std::vector<std::int64_t>& runs) {
+std::size_t counted_runs(const db::Models& store, const std::string& subject, const std::vector<std::int64_t>& runs) {
   return runs.size() - store.repeated_runs(subject, runs).size();
 }
 

@@ -178,7 +178,7 @@ std::vector<Interruption> interruptions(const std::vector<db::TimedEvent>& event
 
 class Frames {
  public:
-  Frames(const db::RunStore& store, std::int64_t run, std::int64_t last) : store_(store), run_(run), last_(last) {}
+  Frames(const db::RunReader& store, std::int64_t run, std::int64_t last) : store_(store), run_(run), last_(last) {}
   // None below the first and above the last.
   [[nodiscard]] std::optional<db::FrameTime> at(std::int64_t position) const {
     return position < 1 || position > last_ ? std::nullopt : store_.frame_time(run_, position);
@@ -216,7 +216,7 @@ class Frames {
   }
 
  private:
-  const db::RunStore& store_;
+  const db::RunReader& store_;
   std::int64_t run_, last_;
 };
 
@@ -241,7 +241,7 @@ std::int64_t lost_between(const Frames& frames, std::int64_t before, std::int64_
 
 }  // namespace
 
-std::vector<LostTime> lost_times(const db::RunStore& store, std::int64_t run, std::int64_t last) {
+std::vector<LostTime> lost_times(const db::RunReader& store, std::int64_t run, std::int64_t last) {
   const std::vector<Interruption> all = interruptions(store.timed_events(run));
   const Frames frames(store, run, last);
   std::vector<LostTime> lost;

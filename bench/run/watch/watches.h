@@ -99,6 +99,6 @@ struct LostTime {
 };
 
 // Ordered by position, at most one per frame. `last`: the run's last position. Throws StoreError.
-std::vector<LostTime> lost_times(const db::RunStore& store, std::int64_t run, std::int64_t last);
+std::vector<LostTime> lost_times(const db::RunReader& store, std::int64_t run, std::int64_t last);
 
 }  // namespace tactbench::bench

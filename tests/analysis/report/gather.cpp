@@ -4,7 +4,7 @@
 
 #include "analysis/report/gather.h"
 #include "analysis/report/run_log.h"
-#include "tests/db/new_store.h"
+#include "tests/db/store_example.h"
 
 namespace tactbench::tests::gather {
 

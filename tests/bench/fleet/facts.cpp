@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "db/fleet/run_archive.h"
+#include "db/fleet/runs.h"
 #include "tests/db/store_example.h"
 #include "tests/support/process.h"
 

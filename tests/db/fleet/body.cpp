@@ -1,9 +1,9 @@
 // A run packed for the fleet and unpacked again.
-#include "db/fleet/run_archive.h"
+#include "db/fleet/runs.h"
 
 #include <catch2/catch.hpp>
 
-#include "db/fleet/fleet_error.h"
+#include "db/fleet/postgres.h"
 #include "db/sqlite.h"
 #include "tests/db/store_example.h"
 #include "tests/support/process.h"

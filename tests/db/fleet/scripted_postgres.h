@@ -20,7 +20,7 @@
 #include <utility>
 #include <vector>
 
-#include "db/fleet/fleet_error.h"
+#include "db/fleet/postgres.h"
 #include "tests/support/process.h"
 
 namespace tactbench::tests::postgres {
