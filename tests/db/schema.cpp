@@ -1,21 +1,150 @@
+#include <sqlite3.h>
+#include <unistd.h>
+
 #include <array>
 #include <catch2/catch.hpp>
-#include <cmath>
 #include <filesystem>
 #include <limits>
 #include <random>
+#include <string>
+#include <vector>
 
-#include "db/run_store.h"
 #include "db/schema.h"
 #include "db/sqlite.h"
 #include "db/store_file.h"
-#include "tests/db/new_store.h"
+#include "tests/db/store_example.h"
+#include "tests/support/paths.h"
+#include "tests/support/process.h"
 
 using namespace tactbench;
+using namespace tactbench::db;
 using namespace tactbench::tests;
 using db::RunStore;
 using db::sqlite::Access;
 using db::sqlite::Connection;
+
+TEST_CASE("store migration: a third backup also gets a name of its own") {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("runs.db");
+  CHECK(db::backup_path(path, 3) == path + ".schema-3.backup");
+  write_file(path + ".schema-3.backup", "");
+  CHECK(db::backup_path(path, 3) == path + ".schema-3.backup.2");
+  write_file(path + ".schema-3.backup.2", "");
+  CHECK(db::backup_path(path, 3) == path + ".schema-3.backup.3");
+  CHECK(db::backup_path(path, 4) == path + ".schema-4.backup");
+}
+
+namespace {
+
+// Makes the tables of a store just before another connection, `watched`, lists what there is in the same file.
+struct MakesMeanwhile {
+  std::string path;
+  int made = 0, held_off = 0;
+};
+
+int make_before_listing(unsigned /*kind*/, void* context, void* /*statement*/, void* text) {
+  if (std::string(static_cast<const char*>(text)).find("FROM main.sqlite_master") == std::string::npos) return 0;
+  auto& maker = *static_cast<MakesMeanwhile*>(context);
+  Connection other(maker.path, Access::kReadWrite, 0);
+  ++(store_error([&] { db::migrate(other); }).empty() ? maker.made : maker.held_off);
+  return 0;
+}
+
+}  // namespace
+
+TEST_CASE("foreign objects: tables that another process creates during the check are not foreign") {
+  const TemporaryFolder folder;
+  MakesMeanwhile maker{folder.path("runs.db")};
+  Connection watched(maker.path, Access::kReadWrite);
+  REQUIRE(sqlite3_trace_v2(watched.handle(), SQLITE_TRACE_STMT, make_before_listing, &maker) == SQLITE_OK);
+  const db::ForeignObjects found = db::foreign_objects(watched);
+  CHECK((found.changed.empty() && found.added.empty()));
+  CHECK(maker.made + maker.held_off == 1);
+}
+
+// Tables, indexes, views and triggers that tactbench did not make: reported, and never executed.
+
+namespace {
+
+struct Changed {
+  std::string written, read;  // identifiers of the errors of opening for each
+  std::string message;
+  std::vector<std::string> structure;  // where reading is possible
+};
+
+// A store with one run after `sql` was carried out on it.
+Changed changed_by(const std::string& sql) {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("runs.db");
+  {
+    RunStore store = RunStore::open(path);
+    store_example(store);
+  }
+  Connection(path, Access::kReadWrite).execute("PRAGMA foreign_keys = OFF; " + sql);
+  const std::string before = read_file(path);
+  Changed changed;
+  changed.written = store_error([&] { RunStore::open(path); }, &changed.message);
+  changed.read = store_error([&] {
+    const RunStore store = RunStore::open_read_only(path);
+    CHECK(store.check_content(1).holds());
+    CHECK(store.frames(1).size() == 3);
+    changed.structure = store.check_structure();
+  });
+  CHECK(read_file(path) == before);
+  return changed;
+}
+
+}  // namespace
+
+TEST_CASE("foreign objects: foreign triggers, tables, indexes and views are named, and the store is not written") {
+  const auto refused = [](const std::string& sql, const std::string& named) {
+    const Changed changed = changed_by(sql);
+    INFO(sql);
+    CHECK(changed.written == "TB-STORE-FOREIGN");
+    CHECK_THAT(changed.message, Catch::Contains(named));
+    CHECK(changed.read.empty());
+    REQUIRE(changed.structure.size() == 1);
+    CHECK_THAT(changed.structure.front(), Catch::Contains(named));
+  };
+  refused("CREATE TRIGGER evil AFTER INSERT ON runs BEGIN DELETE FROM verdicts; END", "'evil'");
+  refused("CREATE TABLE mine (a)", "'mine'");
+  refused("CREATE INDEX quick ON frames (time_ns)", "'quick'");
+  refused("CREATE VIEW v_mine AS SELECT 1", "'v_mine'");
+}
+
+TEST_CASE("foreign objects: if a table, index or view of the store itself differs, reading is refused too") {
+  const auto refused = [](const std::string& sql, const std::string& named) {
+    const Changed changed = changed_by(sql);
+    INFO(sql);
+    CHECK(changed.written == "TB-STORE-OTHER-SCHEMA");
+    CHECK(changed.read == "TB-STORE-OTHER-SCHEMA");
+    CHECK_THAT(changed.message, Catch::Contains(named));
+  };
+  refused("DROP VIEW v_runs; CREATE VIEW v_runs AS SELECT 1 AS run", "'v_runs'");
+  refused("DROP INDEX verdicts_of_run", "'verdicts_of_run'");
+  refused(
+      "DROP VIEW v_frames; DROP VIEW v_runs; DROP TABLE frames; CREATE VIEW frames AS WITH RECURSIVE c (frame) AS "
+      "(SELECT 1 UNION ALL SELECT frame + 1 FROM c) SELECT frame FROM c",
+      "'frames'");
+  refused("ALTER TABLE verdicts ADD COLUMN more TEXT", "'verdicts'");
+}
+
+TEST_CASE("foreign objects: SQLite's own statistics are not foreign") {
+  const Changed changed = changed_by("ANALYZE");
+  CHECK((changed.written.empty() && changed.read.empty() && changed.structure.empty()));
+}
+
+TEST_CASE("foreign objects: no trigger runs and no view is read on an untrusted schema") {
+  const TemporaryFolder folder;
+  Connection connection(folder.path("any.db"), Access::kReadWrite);
+  connection.execute(
+      "CREATE TABLE a (x); CREATE TABLE b (x); CREATE VIEW c AS SELECT x FROM a; "
+      "CREATE TRIGGER t AFTER INSERT ON a BEGIN INSERT INTO b VALUES (1); END");
+  connection.disable_triggers_and_views();
+  connection.execute("INSERT INTO a VALUES (7)");
+  CHECK(connection.integer("SELECT count(*) FROM b") == 0);
+  CHECK_FALSE(store_error([&] { (void)connection.integer("SELECT x FROM c"); }).empty());
+}
 
 TEST_CASE("store schema: a new store has the application id, the newest version, WAL and pages of 4096 bytes") {
   const TemporaryFolder folder;
@@ -185,40 +314,6 @@ TEST_CASE("store schema: v_fit_taxels reads the taxels of a fit from its documen
                "full_scale || ' ' || unit || ' ' || at_bound || ' ' || (j IS NULL) FROM v_fit_taxels WHERE fit = 1 AND "
                "taxel = 0") == R"(0 fitted 0.001 0.25 0.5 3.5 V ["beta_a"] 1)");
   CHECK(raw.integer("SELECT count(*) FROM v_fit_taxels WHERE status = 'dead' AND mean_error IS NULL") == 1);
-}
-
-TEST_CASE("run store: the series of an imported run read back bit for bit") {
-  NewStore store;
-  db::RunRecord imported = example_run();
-  imported.origin = "imported";
-  const Begun begun = begin_example(store, imported);
-  const std::vector<double> input = {0.0, 0.1, 1.0 / 3.0}, output = {-1e-300, 2.0 / 3.0, 1e300};
-  store.append_series(begun.run, {{1, 0, input, output}, {0, 7, output, input}});
-  CHECK(store_error([&] { store.append_series(begun.run, {{0, 7, input, output}}); }) == "TB-STORE-CONFLICT");
-  CHECK(store_error([&] { store.append_series(begun.run, {{0, 8, input, {1.0}}}); }) == "TB-STORE-CONFLICT");
-  store.end_run(begun.run, db::Outcome::kCompleted, "imported", db::SafeState::kUnknown, "");
-  const std::vector<db::SeriesRecord> back = store.series(begun.run);
-  REQUIRE(back.size() == 2);
-  CHECK((back[0].sequence == 0 && back[0].taxel == 7 && back[0].input == output && back[0].output == input));
-  CHECK((back[1].sequence == 1 && back[1].input == input && back[1].output == output));
-  CHECK(store.content_hash(begun.run) == store.run(begun.run).content_sha256);
-  CHECK(store_error([&] { store.append_series(begun.run, {{0, 9, input, output}}); }) == "TB-STORE-CONFLICT");
-}
-
-TEST_CASE("run store: an ended run that was not completed can be reopened, and its hash chain continues") {
-  NewStore store;
-  const Begun begun = begin_example(store);
-  store.append_frame(begun.run, example_frame(begun.branch, 0));
-  CHECK(store_error([&] { store.reopen_run(begun.run, {}); }) == "TB-STORE-CONFLICT");  // it is live
-  REQUIRE(store.mark_interrupted("2026-01-01T00:00:00Z") == 1);
-  store.reopen_run(begun.run, {9, "state", "", "ended -> prepared: resumed"});
-  CHECK((store.run(begun.run).outcome == db::Outcome::kIncomplete && store.run(begun.run).content_sha256.empty()));
-  store.append_frame(begun.run, example_frame(begun.branch, 1));
-  CHECK(store.last_time_ns(begun.run) == example_frame(begun.branch, 1).time_ns);
-  store.end_run(begun.run, db::Outcome::kCompleted, "all steps done", db::SafeState::kVerified, "");
-  CHECK(store.content_hash(begun.run) == store.run(begun.run).content_sha256);
-  CHECK(store.frame_count(begun.run) == 2);
-  CHECK(store_error([&] { store.reopen_run(begun.run, {}); }) == "TB-STORE-CONFLICT");  // completed
 }
 
 // The view of frames: counts as they were stored, wrench and place as numbers that SQL alone decodes.

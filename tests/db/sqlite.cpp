@@ -1,10 +1,10 @@
 // The thin wrapper itself: a bound value is read back, and a failing statement reports its error and leaves the wrapper
 // usable.
 #include <sqlite3.h>
+#include <unistd.h>
 
 #include <array>
 #include <catch2/catch.hpp>
-#include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -20,12 +20,21 @@
 #include "tests/support/process.h"
 
 using namespace tactbench;
+using namespace tactbench::db;
 using namespace tactbench::tests;
 using Catch::Contains;
 using db::sqlite::Access;
 using db::sqlite::Connection;
 using db::sqlite::Statement;
 using db::sqlite::Transaction;
+
+TEST_CASE("sqlite: a value too large for a store is refused before memory is allocated") {
+  const TemporaryFolder folder;
+  Connection connection(folder.path("any.db"), Access::kReadWrite);
+  connection.disable_triggers_and_views();
+  CHECK(store_error([&] { (void)connection.integer("SELECT length(zeroblob(300000000))"); }) == "TB-STORE-TOO-LARGE");
+  CHECK(connection.integer("SELECT length(zeroblob(5000000))") == 5000000);
+}
 
 namespace {
 
@@ -174,24 +183,6 @@ TEST_CASE("sqlite: a copy has all pages, and copying over a database in use fail
     check_error("TB-STORE-LOCKED", [&] { source.copy_to(target); });
   }
   check_error("TB-STORE-SQL", [&] { source.copy_to(source); });
-}
-
-TEST_CASE("store opening: a half-created store is not read, and opening it for writing recovers it") {
-  const TemporaryFolder folder;
-  const std::string whole = folder.path("whole.db"), half = folder.path("half.db");
-  (void)db::RunStore::open(whole);
-  Connection writer(whole, Access::kReadWrite);
-  REQUIRE(writer.text("PRAGMA journal_mode = DELETE") == "delete");
-  writer.execute("PRAGMA cache_size = 1; BEGIN; CREATE TABLE half (a)");
-  for (int i = 0; i < 200; ++i) writer.execute("INSERT INTO half VALUES (zeroblob(4000))");
-  for (const char* part : {"", "-journal"})
-    std::filesystem::copy_file(whole + part, half + part);  // as SIGKILL leaves them
-  writer.execute("ROLLBACK");
-
-  check_error("TB-STORE-OPEN", [&] { (void)db::RunStore::open_read_only(half); });
-  (void)db::RunStore::open(half);
-  (void)db::RunStore::open_read_only(half);
-  CHECK(Connection(half, Access::kReadOnly).integer("SELECT count(*) FROM sqlite_master WHERE name = 'half'") == 0);
 }
 
 TEST_CASE("sqlite: each error code maps to the id of its kind, and the message states the code") {

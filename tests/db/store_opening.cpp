@@ -1,27 +1,182 @@
+// Opening a store, the write-ahead log of a durable run, and disks that are full or fail.
+#include <fcntl.h>
 #include <sqlite3.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
-#include <sys/types.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
 #include <cerrno>
 #include <csignal>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <string>
 
+#include "db/schema.h"
 #include "db/sqlite.h"
-#include "db/store_file.h"
-#include "tests/db/new_store.h"
 #include "tests/db/store_example.h"
+#include "tests/support/child_process.h"
 #include "tests/support/process.h"
 
 using namespace tactbench;
+using namespace tactbench::db;
 using namespace tactbench::tests;
+using db::Durability;
 using db::RunStore;
 using db::sqlite::Access;
 using db::sqlite::Connection;
+
+TEST_CASE("store opening: tables without a version and extra bytes are damage, an empty database is new") {
+  Connection connection(":memory:", Access::kReadWrite);
+  CHECK(store_error([&] { db::check_version(connection); }).empty());
+  connection.execute("CREATE TABLE mine (a)");
+  CHECK(store_error([&] { db::check_version(connection); }) == "TB-STORE-OPEN");
+  const TemporaryFolder folder;
+  const std::string path = folder.path("runs.db");
+  RunStore::open(path);
+  const std::string whole = read_file(path);
+  write_file(path, whole + "x");
+  CHECK(store_error([&] { RunStore::open(path); }) == "TB-STORE-OPEN");
+  CHECK(store_error([&] { RunStore::open_read_only(path); }) == "TB-STORE-OPEN");
+  write_file(path, whole);
+  CHECK(store_error([&] { RunStore::open(path); }).empty());
+}
+
+TEST_CASE("write-ahead log: a log of exactly 1000 pages is kept, one a byte shorter is lengthened") {
+  // A write-ahead log is a header of 32 bytes, then 24 bytes and a page for each page that it holds.
+  for (const std::uintmax_t length : {1000 * (4096 + 24) + 32 - 1, 1000 * (4096 + 24) + 32}) {
+    const TemporaryFolder folder;
+    const std::string log = folder.path("runs.db-wal");
+    RunStore store = RunStore::open(folder.path("runs.db"), db::Durability::kFull);
+    store.add_sensor(example_sensor());
+    std::filesystem::resize_file(log, length);
+    store.begin_run(example_run());
+    CHECK((std::filesystem::file_size(log) == length) == (length == 1000 * (4096 + 24) + 32));
+  }
+}
+
+TEST_CASE("run store: several processes may create one store at once and write to it at once") {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("runs.db");
+  constexpr int kWriters = 6;
+  constexpr int kFrames = 30;
+  std::vector<pid_t> children;
+  for (int i = 0; i < kWriters; ++i) {
+    const pid_t child = fork();
+    REQUIRE(child >= 0);
+    if (child == 0) {
+      std::string why;
+      const std::string id = store_error(
+          [&] {
+            RunStore store = RunStore::open(path, Durability::kNormal);
+            const Begun begun = begin_example(store);
+            for (int f = 0; f < kFrames; ++f) store.append_frame(begun.run, example_frame(begun.branch, f));
+            store.end_run(begun.run, db::Outcome::kCompleted, "", db::SafeState::kVerified, "");
+          },
+          &why);
+      if (!id.empty()) std::fprintf(stderr, "%s %s\n", id.c_str(), why.c_str());
+      _exit(id.empty() ? 0 : 1);
+    }
+    children.push_back(child);
+  }
+  for (const pid_t child : children) {
+    int status = 0;
+    REQUIRE(waitpid(child, &status, 0) == child);
+    CHECK((WIFEXITED(status) && WEXITSTATUS(status) == 0));
+  }
+  const RunStore store = RunStore::open_read_only(path);
+  const std::vector<db::RunRecord> runs = store.runs();
+  REQUIRE(runs.size() == kWriters);
+  for (const db::RunRecord& run : runs) {
+    CHECK(store.frame_count(run.run) == kFrames);
+    CHECK(run.content_sha256 == runs.front().content_sha256);
+    CHECK(store.content_hash(run.run) == run.content_sha256);
+  }
+}
+
+// The write-ahead log of a durable run has its full length at the first frame: commits then write over it, which needs
+// no commit of the file system's journal.
+
+namespace {
+
+constexpr std::uintmax_t kFullLog = 1000 * (4096 + 24) + 32;
+
+}  // namespace
+
+TEST_CASE("write-ahead log: is preallocated for a durable run, and frames overwrite it without lengthening it") {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("runs.db");
+  RunStore store = RunStore::open(path, Durability::kFull);
+  const auto [run, branch] = begin_example(store);
+  const std::uintmax_t length = std::filesystem::file_size(path + "-wal");
+  CHECK(length >= kFullLog);
+  for (int i = 0; i < 50; ++i) store.append_frame(run, example_frame(branch, i));
+  CHECK(std::filesystem::file_size(path + "-wal") == length);
+  const RunStore reader = RunStore::open_read_only(path);  // a rolled-back transaction has no content
+  CHECK(reader.frame_count(run) == 50);
+  CHECK(reader.check_structure().empty());
+  store.end_run(run, Outcome::kCompleted, "", SafeState::kVerified, "");
+  CHECK(store.check_content(run).holds());
+}
+
+TEST_CASE("write-ahead log: is not preallocated for a run of normal durability") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"), Durability::kNormal);
+  begin_example(store);
+  CHECK(std::filesystem::file_size(folder.path("runs.db-wal")) < 400'000);
+}
+
+TEST_CASE("write-ahead log: opening a store in rollback-journal mode waits for a reader, then switches to WAL") {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("runs.db");
+  RunStore::open(path);
+  REQUIRE(Connection(path, Access::kReadWrite).text("PRAGMA journal_mode = DELETE") == "delete");
+  int ends[2];
+  REQUIRE(pipe(ends) == 0);
+  const pid_t child = fork();
+  REQUIRE(child >= 0);
+  if (child == 0) {
+    Connection reader(path, Access::kReadOnly);
+    reader.execute("BEGIN");
+    const bool read = reader.integer("SELECT count(*) FROM runs") == 0;
+    if (write(ends[1], "r", 1) != 1) _exit(2);
+    usleep(100'000);
+    reader.execute("COMMIT");
+    _exit(read ? 0 : 1);
+  }
+  char byte = 0;
+  REQUIRE(read(ends[0], &byte, 1) == 1);
+  std::string message;
+  CHECK(store_error([&] { RunStore::open(path); }, &message).empty());
+  CAPTURE(message);
+  int status = 0;
+  REQUIRE(waitpid(child, &status, 0) == child);
+  CHECK((WIFEXITED(status) && WEXITSTATUS(status) == 0));
+  for (const int end : ends) close(end);
+  CHECK(Connection(path, Access::kReadWrite).text("PRAGMA journal_mode") == "wal");
+}
+
+TEST_CASE("store opening: a store with a log in a read-only folder is not read without the log") {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("runs.db");
+  REQUIRE(in_child([&] {
+            auto* store = new RunStore(RunStore::open(path));  // never closed: the log stays
+            store_example(*store);
+            return 0;
+          }) == 0);
+  REQUIRE(std::filesystem::file_size(path + "-wal") > 0);
+  std::filesystem::remove(path + "-shm");
+  chmod(path.c_str(), 0444);
+  chmod(folder.path().c_str(), 0555);
+  const int code = in_child([&] {
+    if (geteuid() == 0 && (setgid(65534) != 0 || setuid(65534) != 0)) return 3;
+    return store_error([&] { RunStore::open_read_only(path); }).empty() ? 1 : 0;
+  });
+  chmod(folder.path().c_str(), 0755);
+  CHECK(code == 0);
+}
 
 namespace {
 
@@ -250,4 +405,22 @@ TEST_CASE("store write failure: a failing disk is not reported as full, and the 
   std::string message;
   CHECK(failed_with(EIO, &message) == "TB-STORE-SQL");
   CHECK_THAT(message, Catch::Contains(std::strerror(EIO)));
+}
+
+TEST_CASE("store opening: a half-created store is not read, and opening it for writing recovers it") {
+  const TemporaryFolder folder;
+  const std::string whole = folder.path("whole.db"), half = folder.path("half.db");
+  (void)db::RunStore::open(whole);
+  Connection writer(whole, Access::kReadWrite);
+  REQUIRE(writer.text("PRAGMA journal_mode = DELETE") == "delete");
+  writer.execute("PRAGMA cache_size = 1; BEGIN; CREATE TABLE half (a)");
+  for (int i = 0; i < 200; ++i) writer.execute("INSERT INTO half VALUES (zeroblob(4000))");
+  for (const char* part : {"", "-journal"})
+    std::filesystem::copy_file(whole + part, half + part);  // as SIGKILL leaves them
+  writer.execute("ROLLBACK");
+
+  CHECK(store_error([&] { (void)RunStore::open_read_only(half); }) == "TB-STORE-OPEN");
+  (void)db::RunStore::open(half);
+  (void)db::RunStore::open_read_only(half);
+  CHECK(Connection(half, Access::kReadOnly).integer("SELECT count(*) FROM sqlite_master WHERE name = 'half'") == 0);
 }

@@ -1,18 +1,114 @@
-// Frames of a run as a second process follows them: from a position on, so many at a time, and none of another run.
+// What is found in a store and how it is checked: frames as a second process follows them, runs and checks by
+// conditions, and differences from what was stored.
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <stdexcept>
 
-#include "db/run_reader.h"
+#include "db/hash_chain.h"
 #include "db/sqlite.h"
-#include "tests/db/new_store.h"
+#include "tests/db/store_example.h"
+#include "tests/support/process.h"
 
 using namespace tactbench;
+using namespace tactbench::db;
 using namespace tactbench::tests;
+using Catch::Contains;
 using db::RunStore;
 using db::sqlite::Access;
 using db::sqlite::Connection;
+using Numbers = std::vector<std::int64_t>;
 using Positions = std::vector<std::int64_t>;
+
+TEST_CASE("structure check: deleted runs and baselines are reported") {
+  NewStore store;
+  const std::int64_t run = store_example(store);
+  store.begin_run(example_run());
+  store.replace_figures(run, "rig/a", {{"x_psi", 1.0}});
+  store.add_baseline({0, "rig/a", "as delivered", "K. Lee", kUtc, {run}});
+  CHECK(store.check_structure().empty());
+  Connection raw(store.path(), Access::kReadWrite);
+  raw.execute("DELETE FROM baseline_runs; DELETE FROM baselines");
+  REQUIRE(store.check_structure().size() == 1);
+  CHECK_THAT(store.check_structure().front(), Catch::StartsWith("baselines: 1 "));
+  raw.execute(
+      "PRAGMA foreign_keys = OFF; DELETE FROM seals WHERE run = 2; DELETE FROM sequences WHERE run = 2; "
+      "DELETE FROM devices WHERE run = 2; DELETE FROM runs WHERE run = 2");
+  CHECK_THAT(store.check_structure().front(), Catch::StartsWith("runs: 2 "));
+}
+
+TEST_CASE("content check: a frame without a branch of its run is named and still enters the hash") {
+  for (const char* branch : {"-1", "2", "77"}) {
+    CAPTURE(branch);
+    const TemporaryFolder folder;
+    RunStore store = RunStore::open(folder.path("runs.db"));
+    const Begun begun = begin_example(store), other = begin_example(store);  // branches 1 and 2
+    db::BranchRecord next = example_branch();
+    next.attempt = 1;
+    const std::int64_t third = store.begin_branch(begun.run, next);
+    REQUIRE((begun.branch == 1 && other.branch == 2 && third == 3));
+    store.append_frame(begun.run, example_frame(begun.branch, 0));
+    store.append_frame(begun.run, example_frame(third, 1));
+    store.append_frame(begun.run, example_frame(third, 2));
+    store.end_run(begun.run, db::Outcome::kCompleted, "", db::SafeState::kVerified, kUtc);
+    const std::string before = store.content_hash(begun.run);
+    Connection(store.path(), Access::kReadWrite)
+        .execute("PRAGMA foreign_keys = OFF; UPDATE frames SET branch = " + std::string(branch) +
+                 " WHERE frame % 10 = 2");
+    const db::ContentCheck check = store.check_content(begun.run);
+    CHECK_THAT(check.difference, Contains("frame 2 "));
+    CHECK(check.computed_sha256 == store.content_hash(begun.run));
+    CHECK(check.computed_sha256 != before);
+    // As if it were of a branch 0 of sequence 0, which nothing else says of it.
+    db::HashChain chain;
+    db::Digest link = chain.header(store.run(begun.run));
+    const auto branches = store.branches(begun.run);
+    link = chain.frame(link, branches[0], example_frame(1, 0));
+    link = chain.frame(link, {}, example_frame(0, 1));
+    link = chain.frame(link, branches[1], example_frame(3, 2));
+    db::RunEnd end;
+    end.branches = branches;
+    end.outcome = db::Outcome::kCompleted;
+    end.safe = db::SafeState::kVerified;
+    CHECK(db::hex(chain.close(link, 3, end)) == check.computed_sha256);
+  }
+}
+
+TEST_CASE("content check: frames restored after pruning are reported, with the date of the pruning") {
+  NewStore store;
+  store_example(store);
+  store_example(store);
+  store.set_tags(2, {"nightly"}, {});
+  store.prune_frames(2, "a rule", "2026-07-08T00:00:00Z");
+  CHECK(store.check_content(2).holds());
+  Connection raw(store.path(), Access::kReadWrite);
+  raw.execute(
+      "CREATE TEMP TABLE kept AS SELECT * FROM frames WHERE frame = 1000000001; UPDATE kept SET frame = 2000000001, "
+      "branch = 3; INSERT INTO frames SELECT * FROM kept");
+  CHECK_THAT(store.check_content(2).difference, Contains("1 frames") && Contains("2026-07-08T00:00:00Z"));
+  CHECK(store_error([&] { (void)store.frames(2); }) == "TB-STORE-PRUNED");
+}
+
+TEST_CASE("content check: file texts are compared with their own hashes only if these are valid") {
+  NewStore store;
+  db::RunRecord record = example_run();
+  record.bench_sha256 = std::string(63, 'a');  // no SHA-256
+  record.sensor_sha256 = std::string(65, 'a');
+  const std::int64_t run = store_example(store, record);
+  Connection(store.path(), Access::kReadWrite).execute("UPDATE runs SET bench_toml = 'x', sensor_toml = 'y'");
+  CHECK_THAT(store.check_content(run).difference, Contains("the run's row, a sequence, a device, or frame 1 "));
+}
+
+TEST_CASE("structure check: deleted nights are reported") {
+  NewStore store;
+  (void)store.add_night({0, "small", "f", "t", "{}", 1, 1, kUtc, kUtc, "p", {}});
+  CHECK(store.check_structure().empty());
+  Connection(store.path(), Access::kReadWrite).execute("DELETE FROM nights");
+  REQUIRE(store.check_structure().size() == 1);
+  CHECK_THAT(store.check_structure().front(), Contains("nights: 1 "));
+}
 
 namespace {
 
@@ -159,8 +255,6 @@ TEST_CASE("live frames: mean counts of a frame are the means of its scans, per t
 
 // Which runs and checks a question finds, condition by condition.
 
-using Numbers = std::vector<std::int64_t>;
-
 namespace {
 
 Numbers numbers_of(const std::vector<db::RunRecord>& runs) {
@@ -239,19 +333,6 @@ TEST_CASE("run lookup: the last check is that of one sensor, kind and verdict, i
   REQUIRE(check);
   CHECK((check->run == first && check->kind == "seating" && check->verdict == "pass"));
   CHECK((check->detail_json == R"({"a":2})" && check->data == std::vector<double>{1.5, 2.5}));
-}
-
-TEST_CASE("run lookup: the selected fit of a run is found, else its only one, and an unknown fit is an error") {
-  NewStore store;
-  const std::int64_t first = store_example(store), second = store_example(store);
-  CHECK_FALSE(store.default_fit(first));
-  const auto add = [&](std::int64_t run, const std::string& model, bool stands) {
-    return store.add_fit({0, run, model, stands, 1, "{}", "", "0.1.0", kUtc});
-  };
-  CHECK((add(first, "elam", true) == 1 && add(second, "mpi", false) == 2 && add(first, "gpi", false) == 3));
-  CHECK(store.default_fit(first)->fit == 1);
-  CHECK(store.default_fit(second)->fit == 2);  // the only one
-  CHECK(store_error([&] { (void)store.fit(9); }) == "TB-STORE-NOT-FOUND");
 }
 
 TEST_CASE("run lookup: counts of an empty run are 0, and queries of an unknown run are errors") {
@@ -338,4 +419,129 @@ TEST_CASE("run lookup: timed sequences are those of the newest completed runs of
   CHECK(found[1].overrides_json == example_run().overrides_json);
   CHECK(store.timed_sequences("bench-b", 9).size() == 2);
   CHECK(store.timed_sequences("bench-c", 9).empty());
+}
+
+namespace {
+
+// The finding for a run of `frames` frames after `sql`.
+std::string named_after(int frames, bool ended, const std::string& sql) {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  const Begun begun = begin_example(store);
+  for (int i = 0; i < frames; ++i) store.append_frame(begun.run, example_frame(begun.branch, i));
+  store.append_event(begun.run, {1, "note", "", "by hand"});
+  if (ended) store.end_run(begun.run, db::Outcome::kStopped, "stopped", db::SafeState::kVerified, kUtc);
+  CHECK(store.check_content(begun.run).holds());
+  CHECK(store.check_content(begun.run).frames == frames);
+  Connection(store.path(), Access::kReadWrite).execute("PRAGMA foreign_keys = OFF; " + sql);
+  return store.check_content(begun.run).difference;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "content check: for a run without frames the run's row is named, and changed file texts by their own hashes") {
+  CHECK_THAT(named_after(0, true, "UPDATE runs SET operator = 'X'"), Contains("run's row") && Contains("now 0"));
+  CHECK_THAT(named_after(0, true, "UPDATE runs SET bench_toml = 'X'"), Contains("bench file") && !Contains("now 0"));
+  CHECK_THAT(named_after(0, true, "UPDATE events SET detail = 'X'"), Contains("an event") && Contains("run's row"));
+  CHECK_THAT(named_after(2, true, "UPDATE events SET detail = 'X'"), Contains("now 2") && !Contains("run's row"));
+}
+
+TEST_CASE("content check: an open run has no hash of its end, and its frames are checked") {
+  CHECK(named_after(3, false, "SELECT 1").empty());
+  CHECK_THAT(named_after(3, false, "UPDATE frames SET status = 7 WHERE frame % 10 = 3"),
+             Contains("frame 3 ") && Contains("its row"));
+  CHECK_THAT(named_after(3, false, "UPDATE frames SET chain = zeroblob(32) WHERE frame % 10 = 2"),
+             Contains("link") && Contains("frame 2 "));
+  CHECK_THAT(named_after(3, false, "UPDATE runs SET content_sha256 = 'x'"), Contains("stored hash itself"));
+  // An event of an open run may still come.
+  CHECK(named_after(3, false, "INSERT INTO events (run, time_ns, kind, id, detail) VALUES (1, 1, '', '', '')").empty());
+}
+
+TEST_CASE("content check: of several changes the first is named") {
+  CHECK_THAT(named_after(5, true,
+                         "UPDATE frames SET status = 7 WHERE frame % 10 = 2; DELETE FROM frames WHERE frame % 10 = 4"),
+             Contains("frame 2 ") && !Contains("missing"));
+  CHECK_THAT(named_after(5, true,
+                         "DELETE FROM frames WHERE frame % 10 = 2; UPDATE frames SET status = 7 WHERE frame % 10 = 4"),
+             Contains("frame 2 is missing"));
+  CHECK_THAT(named_after(5, true, "DELETE FROM frames WHERE frame % 10 < 3"), Contains("frame 1 is missing"));
+  CHECK_THAT(named_after(5, true, "UPDATE frames SET chain = zeroblob(32) WHERE frame % 10 = 1"),
+             Contains("link") && Contains("frame 1 "));
+  CHECK_THAT(named_after(5, true, "UPDATE frames SET status = 7 WHERE frame % 10 IN (3, 5)"),
+             Contains("frame 3 ") && Contains("its row"));
+}
+
+TEST_CASE("run store: an unknown text for an outcome or a safe state is refused") {
+  NewStore store;
+  const std::int64_t run = store_example(store);
+  Connection raw(store.path(), Access::kReadWrite);
+  raw.execute("PRAGMA ignore_check_constraints = ON");
+  const auto read_with = [&](const std::string& change) {
+    raw.execute("UPDATE runs SET " + change);
+    return store_error([&] { (void)store.run(run); });
+  };
+  CHECK(read_with("outcome = 'done'") == "TB-STORE-SQL");
+  CHECK(read_with("outcome = 'completed', safe_state = 'fine'") == "TB-STORE-SQL");
+  CHECK(read_with("safe_state = 'verified'").empty());
+}
+
+TEST_CASE("run store: the last time of a run is that of its last frame or event, whichever is later") {
+  NewStore store;
+  const Begun begun = begin_example(store);
+  CHECK(store.last_time_ns(begun.run) == 0);
+  store.append_event(begun.run, {7, "note", "", ""});
+  CHECK(store.last_time_ns(begun.run) == 7);
+  store.append_frame(begun.run, example_frame(begun.branch, 3));
+  CHECK(store.last_time_ns(begun.run) == example_frame(1, 3).time_ns);
+  store.append_event(begun.run, {example_frame(1, 3).time_ns + 1, "note", "", ""});
+  CHECK(store.last_time_ns(begun.run) == example_frame(1, 3).time_ns + 1);
+  CHECK(store.last_time_ns(99) == 0);
+}
+
+TEST_CASE("run lookup: a run is found by its UUID, and an unknown UUID finds no run") {
+  NewStore store;
+  CHECK(store.run_of_uuid("") == 0);
+  const std::int64_t first = store_example(store), second = store_example(store);
+  CHECK(store.run_of_uuid(store.run(first).uuid) == first);
+  CHECK(store.run_of_uuid(store.run(second).uuid) == second);
+  CHECK(store.run_of_uuid(store.run(first).uuid + "0") == 0);
+}
+
+TEST_CASE("time estimates: void runs are not used") {
+  NewStore store;
+  const std::int64_t first = store_example(store), second = store_example(store);
+  CHECK(store.timed_sequences("bench-a", 5).size() == 4);
+  store.void_run(second, "gauge closed", "K. Lee", "2026-01-01T00:00:00Z");
+  const std::vector<db::TimedSequence> left = store.timed_sequences("bench-a", 5);
+  REQUIRE(left.size() == 2);
+  CHECK(left.front().run == first);
+}
+
+TEST_CASE("run store: frames whose counts do not fit their shape are not returned") {
+  NewStore store;
+  store_example(store);
+  const auto read_with = [&](const std::string& change) {
+    Connection(store.path(), Access::kReadWrite)
+        .execute("PRAGMA ignore_check_constraints = ON; UPDATE frames SET " + change);
+    return store_error([&] { (void)store.frames(1); });
+  };
+  CHECK(read_with("scans = 9 WHERE frame % 10 = 2") == "TB-STORE-SQL");
+  CHECK(read_with("scans = 2").empty());
+  CHECK(read_with("columns = 2147483647, \"rows\" = 2147483647") == "TB-STORE-SQL");
+  CHECK(read_with("columns = 2, \"rows\" = 0") == "TB-STORE-SQL");
+  CHECK_FALSE(store.check_content(1).holds());
+}
+
+TEST_CASE("structure check: broken references and violated constraints are reported") {
+  NewStore store;
+  store_example(store);
+  CHECK(store.check_structure().empty());
+  Connection raw(store.path(), Access::kReadWrite);
+  raw.execute("PRAGMA foreign_keys = OFF; PRAGMA ignore_check_constraints = ON");
+  raw.execute("UPDATE events SET run = 9 WHERE event = 2");
+  REQUIRE(store.check_structure().size() == 1);
+  CHECK_THAT(store.check_structure().front(), Catch::Contains("row 2 of events"));
+  raw.execute("UPDATE runs SET outcome = 'done'");
+  CHECK(store.check_structure().size() == 2);
 }
