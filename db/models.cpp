@@ -219,11 +219,11 @@ std::map<std::int64_t, std::int64_t> Models::repeated_runs(const std::string& su
     sqlite::Statement row(database_->connection, "SELECT content_sha256 FROM runs WHERE run = ?");
     const std::string content = row.bind(run).first<std::string>().value_or("");
     const auto same = by_content.find(content);
-    const auto alike = by_figures.find(values[run]);
+    const auto same = by_figures.find(values[run]);
     if (!content.empty() && same != by_content.end()) {
       repeated[run] = same->second;
-    } else if (measured.contains(run) && alike != by_figures.end()) {
-      repeated[run] = alike->second;
+    } else if (measured.contains(run) && same != by_figures.end()) {
+      repeated[run] = same->second;
     } else {
       by_content[content] = run;
       by_figures[values[run]] = run;

@@ -122,8 +122,8 @@ std::optional<std::string> network_file_system(std::uint64_t magic, const std::s
 namespace {
 
 std::function<void(const std::string&)>& listener() {
-  static std::function<void(const std::string&)> tell;
-  return tell;
+  static std::function<void(const std::string&)> handler;
+  return handler;
 }
 
 std::optional<std::string> network_below(const std::string& path) {
@@ -160,8 +160,8 @@ bool is_readable_on_network(const std::string& path) {
         "let its writer end, then copy file and log to a local disk and read them there");
   }
   static std::set<std::string> warned;
-  if (const auto& tell = listener(); tell && warned.insert(path).second) {
-    tell(
+  if (const auto& handler = listener(); handler && warned.insert(path).second) {
+    handler(
         fmt::format("store {} is on a network file system ({}): it is read directly and must not be written meanwhile; "
                     "copy it to a local disk to work with it",
                     path, *network));
@@ -169,7 +169,7 @@ bool is_readable_on_network(const std::string& path) {
   return true;
 }
 
-void set_warning_handler(std::function<void(const std::string&)> tell) { listener() = std::move(tell); }
+void set_warning_handler(std::function<void(const std::string&)> handler) { listener() = std::move(handler); }
 
 std::string writer_of(const std::string& path) {
   std::set<std::string> inodes;

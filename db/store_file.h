@@ -34,7 +34,7 @@ std::optional<std::string> network_file_system(std::uint64_t magic, const std::s
 
 // Sets the function that receives warnings, one sentence each, for the whole program, since db/ prints nothing. Empty
 // (the default): warnings are dropped. Set it before threads are started.
-void set_warning_handler(std::function<void(const std::string&)> tell);
+void set_warning_handler(std::function<void(const std::string&)> handler);
 
 // Schema version of the file, read without writing or migrating. TB-STORE-OPEN if it is not a store.
 int schema_version_of(const std::string& path);

@@ -226,13 +226,13 @@ std::vector<std::string> PageServer::links() const {
 void PageServer::serve(const std::function<bool()>& ended) {
   auto last_seen = std::chrono::steady_clock::now();
   bool ever_seen = false;
-  parts_->ended = [&, beside = parts_->options.beside] {
+  parts_->ended = [&, run_process = parts_->options.run_process] {
     const auto now = std::chrono::steady_clock::now();
     if (parts_->server.viewers() > 0) {
       last_seen = now;
       ever_seen = true;
     }
-    const bool gone = beside != 0 && ::kill(static_cast<pid_t>(beside), 0) != 0;
+    const bool gone = run_process != 0 && ::kill(static_cast<pid_t>(run_process), 0) != 0;
     return ended() || (gone && (!ever_seen || now - last_seen >= kLeftAlone));
   };
   parts_->server.run();

@@ -23,8 +23,8 @@ struct PageOptions {
   analysis::Laboratory laboratory;
   std::vector<std::string> names;  // further names of this server that a browser may use, without the port
   HttpOptions http;
-  std::int64_t beside =
-      0;  // a process; 0: none. serve() returns once that process has ended and nobody views the page any more.
+  // A process; 0: none. serve() returns once that process has ended and nobody views the page any more.
+  std::int64_t run_process = 0;
 };
 
 class PageServer {

@@ -112,7 +112,7 @@ void announce(const PageServer& server, const PageOptions& page, const Session& 
                         {"operator", page.operator_name},
                         {"port", server.port()}});
   } else {
-    std::FILE* const out = page.beside != 0 ? stderr : stdout;
+    std::FILE* const out = page.run_process != 0 ? stderr : stdout;
     for (const std::string& link : server.links()) tty::print(out, "page: {}\n", link);
     if (page.operator_name.empty()) return;
     for (const std::string& link : server.readers_links()) tty::print(out, "to watch only: {}\n", link);
@@ -127,7 +127,7 @@ void serve(PageVerbOptions& options, const Session& session) {
   const std::unique_ptr<PageServer> server = open_server(options);
   announce(*server, options.page, session);
   (void)std::fflush(stdout);
-  if (options.page.beside != 0) leave_streams();
+  if (options.page.run_process != 0) leave_streams();
   server->serve([&stop] { return stop.signal() != 0; });
 }
 
@@ -164,7 +164,7 @@ void add_page(CLI::App& app, Session& session) {
   verb->add_option("--night", page.night, "page that `nightly --html` wrote, shown in the view of the nights");
   session.profile.add(*verb, "--lab", ProfileKey::kLab, options->lab,
                       "laboratory file: until when a calibration is valid");
-  verb->add_option("--beside", page.beside,
+  verb->add_option("--run-process", page.run_process,
                    "process of a run: the page ends once that has ended and nobody views the page")
       ->group("");
   for (const char* const name : {"--listen", "--tls", "--name", "--night"}) verb->get_option(name)->group(kRareOptions);
@@ -176,7 +176,7 @@ void add_page(CLI::App& app, Session& session) {
 
 void start_background_page(const std::string& db, const std::string& bench_id, const std::string& operator_name) {
   std::vector<std::string> arguments = {"/proc/self/exe", "page",   "--db",     db,
-                                        "--bench",        bench_id, "--beside", std::to_string(::getpid())};
+                                        "--bench",        bench_id, "--run-process", std::to_string(::getpid())};
   if (!operator_name.empty()) arguments.push_back("--operator=" + operator_name);
   ChildProgram page({.arguments = arguments, .environment = environment_with({})});
   page.let_go();

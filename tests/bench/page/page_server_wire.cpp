@@ -151,7 +151,7 @@ TEST_CASE("page server: ends on request, or after the process next to it has end
   const pid_t ended = ::fork();
   if (ended == 0) ::_exit(0);
   ::waitpid(ended, nullptr, 0);
-  options.beside = ended;
+  options.run_process = ended;
   bench::PageServer beside(options);
   asked = 0;
   beside.serve([&] {
@@ -159,7 +159,7 @@ TEST_CASE("page server: ends on request, or after the process next to it has end
     return asked > 100;
   });
   CHECK(asked == 1);
-  options.beside = ::getpid();
+  options.run_process = ::getpid();
   bench::PageServer lives(options);
   asked = 0;
   lives.serve([&] { return ++asked == 3; });

@@ -347,8 +347,8 @@ TEST_CASE("page: prints its address on a free port, with separate links for read
 }
 
 TEST_CASE("page: next to a run it prints its address to standard error only") {
-  const Finished beside = announced_page("--port 0 --beside " + std::to_string(::getpid()), "err");
-  CHECK(beside.out.empty());
+  const Finished next_to_run = announced_page("--port 0 --run-process " + std::to_string(::getpid()), "err");
+  CHECK(next_to_run.out.empty());
 }
 
 TEST_CASE("page: if the default port is in use it takes another one, an explicit port in use is rejected") {
