@@ -218,12 +218,12 @@ std::map<std::int64_t, std::int64_t> Models::repeated_runs(const std::string& su
   for (const std::int64_t run : runs) {
     sqlite::Statement row(database_->connection, "SELECT content_sha256 FROM runs WHERE run = ?");
     const std::string content = row.bind(run).first<std::string>().value_or("");
-    const auto same = by_content.find(content);
-    const auto same = by_figures.find(values[run]);
-    if (!content.empty() && same != by_content.end()) {
-      repeated[run] = same->second;
-    } else if (measured.contains(run) && same != by_figures.end()) {
-      repeated[run] = same->second;
+    const auto same_content = by_content.find(content);
+    const auto same_figures = by_figures.find(values[run]);
+    if (!content.empty() && same_content != by_content.end()) {
+      repeated[run] = same_content->second;
+    } else if (measured.contains(run) && same_figures != by_figures.end()) {
+      repeated[run] = same_figures->second;
     } else {
       by_content[content] = run;
       by_figures[values[run]] = run;
