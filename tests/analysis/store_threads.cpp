@@ -6,7 +6,7 @@
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/statistics/figures/evaluation.h"
 #include "db/run_store.h"
-#include "tests/analysis/support/synthetic.h"
+#include "tests/analysis/support/fit_samples.h"
 #include "tests/support/process.h"
 
 using namespace synthetic;
@@ -107,13 +107,7 @@ TEST_CASE("load_dataset: volts come in step order, without void branches and inc
   store->append_frame(run, frame(bad, 0, 0.0, {65535, 1, 65535, 1}, 2, 1, 2));
   store->void_branch(bad, "interrupted");
   record_repeat(*store, run, 0, 2, 1);
-  try {
-    load_dataset(*store, run);
-    FAIL("loaded");
-  } catch (const AnalysisError& error) {
-    CHECK(error.id() == "TB-ANALYSIS-EMPTY");
-    CHECK_FALSE(error.remedy().empty());
-  }
+  CHECK(id_of_refusal([&] { return load_dataset(*store, run); }) == "TB-ANALYSIS-EMPTY");
   record_repeat(*store, run, 1);
   const Dataset data = load_dataset(*store, run);
   REQUIRE(data.sequences.size() == 1);
@@ -165,20 +159,13 @@ TEST_CASE("load_dataset: scans of a taxel that differ repeatedly count as noise,
 
 TEST_CASE("stored fit: is read back bit for bit and evaluates the same") {
   AnalysedStore store;
-  ArrayOptions options;
-  options.rows = 3;
-  options.columns = 2;
-  RunOptions twice;
-  twice.repeats = 2;
-  Dataset source = run(Array(options), twice);
+  Dataset source = run(Array({.rows = 3, .columns = 2}), {.repeats = 2});
   for (SequenceData& sequence : source.sequences)
     for (Repeat& repeat : sequence.repeats)
       for (std::size_t i = 0; i < repeat.steps.size(); ++i) repeat.volts[i * 6 + 4] = 0.0;  // a dead one
   const std::int64_t number = record_dataset(*store, source);
   const Dataset data = load_dataset(*store, number);
-  FitOptions fit_options;
-  fit_options.identify.exact_outer = true;
-  const SensorModel fit = fit_array(data, fit_options);
+  const SensorModel fit = fit_array(data, fit_by("elam", {.exact_outer = true}));
   CHECK_THROWS_AS(load_fit(*store, number), AnalysisError);
   const std::int64_t kept = store_fit(*store, fit, "0.1.0", "2024-01-01T00:00:00Z");
   CHECK(kept > 0);

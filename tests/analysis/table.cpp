@@ -7,6 +7,7 @@
 
 #include "analysis/error.h"
 #include "analysis/table.h"
+#include "tests/analysis/support/alike.h"
 
 using namespace tactbench::analysis;
 
@@ -365,14 +366,7 @@ TEST_CASE("bad rows: are skipped on request, the first 20 are named with their l
 }
 
 TEST_CASE("read_table: a path that is not a readable file is refused") {
-  const auto id = [](const std::string& path) -> std::string {
-    try {
-      (void)read_table(path);
-    } catch (const AnalysisError& error) {
-      return error.id();
-    }
-    return "accepted";
-  };
+  const auto id = [](const std::string& path) { return id_of_refusal([&] { return read_table(path); }); };
   for (const char* none : {"/nowhere/t.csv", "/dev/zero", "/dev"}) CHECK(id(none) == "TB-TABLE-OPEN");
   // A file of the kernel's that says it has no length is not read: as root, /proc/kmsg would be waited for.
   for (const char* kernels : {"/proc/self/mem", "/proc/kmsg", "/proc/self/status"})

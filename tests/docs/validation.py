@@ -68,7 +68,7 @@ REPORT = [
       "report: a reference has one certificate and due date in all parts, FILL-IN counts as none"]),
     ("7.8.4.1 d", "results before and after adjustment", "page 5, where `--previous` names the earlier models",
      ["as found: earlier models are judged by the limits of the report, and results are in doubt if they fail",
-      "as found and as left are two results of a DCC with their states"]),
+      "DCC: as found and as left are two results with their states"]),
     ("7.8.4.1 e", "conformity", [(1, "=verdict")], ["judge: gives each requirement its value, limit and verdict, in the order of the limits"]),
     ("7.8.4.1 f", "opinions", "none is given", []),
     ("7.8.4.3", "no interval of recalibration but the one agreed", [(1, "valid_until")],
@@ -99,7 +99,7 @@ PROGRAM_ITSELF = [
     ("A verdict rests on independent data that count", ["verdicts: void runs, runs of the models and runs named twice are rejected by every verb",
                                                         "judge: errors are inconclusive if the reference is overdue or out of its range, other values are not"]),
     ("A digital certificate says what the report says", ["docs: a digital calibration certificate says what the report's data say",
-                                                         "a DCC lists every taxel at every level, and one without a model is NaN in error, U and k"]),
+                                                         "DCC: every taxel is listed at every level, and is NaN in error, U and k without a model"]),
     ("Simulated data are marked", ["report: banner and page header say simulated exactly if a run is simulated",
                                    "DCC: the identifier states simulated and draft, and a later report states which one it replaces"]),
 ]

@@ -47,7 +47,7 @@ namespace {
 // divided by the probability that it does in one, by 1/n (rows) and by the probability of one run in half decades from
 // 1 to 1e-6 (columns). By simulation: 4 million histories of an EWMA a row (40 million in the last), each averaged over
 // all s exactly, since s is independent of the EWMA's numerator; relative standard error 2 % in the last
-// column, below 0.5 % in the first nine. tests/analysis/statistics/control/ewma_table_slow.cpp draws them again.
+// column, below 0.5 % in the first nine. tests/analysis/statistics/sensor/sensor_slow.cpp draws them again.
 constexpr std::size_t kSizes = 8, kDecades = 13;
 constexpr std::array<double, kSizes> kStartUps = {8, 10, 12, 15, 20, 30, 60, INFINITY};
 constexpr std::array<std::array<double, kDecades>, kSizes> kWorth = {{

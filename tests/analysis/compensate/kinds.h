@@ -11,7 +11,7 @@
 #include "analysis/identify/sensor_model.h"
 #include "analysis/models/elam.h"
 #include "analysis/models/linearised.h"
-#include "tests/analysis/support/dynamic_plant.h"
+#include "tests/analysis/support/dynamic_runs.h"
 #include "tests/analysis/support/synthetic.h"
 
 namespace synthetic {
@@ -56,9 +56,7 @@ struct Kind {
 };
 
 inline std::vector<Kind> kinds() {
-  ArrayOptions one;
-  one.rows = one.columns = 1;
-  ElamModel elam = Array(one).taxels.front();
+  ElamModel elam = Array({.rows = 1, .columns = 1}).taxels.front();
   elam.options.exact_outer = false;
   std::vector<Kind> list;
   const auto add = [&](const std::string& name, auto model, bool in_time = false) {

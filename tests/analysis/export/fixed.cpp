@@ -51,7 +51,7 @@ std::vector<double> straight(double from, double to, int samples) {
 
 }  // namespace
 
-TEST_CASE("the header's thresholds are the rule's, for one to eight samples in a mean") {
+TEST_CASE("fixed compensator: thresholds equal the rule's for means of one to eight samples") {
   const CompensatorOptions rule;
   REQUIRE(rule.longest_mean == TB_LONGEST_MEAN);
   for (int n = 1; n <= rule.longest_mean; ++n) {
@@ -69,7 +69,7 @@ TEST_CASE("the header's thresholds are the rule's, for one to eight samples in a
   CHECK(TB_LONGEST_SPIKE == rule.longest_spike);
 }
 
-TEST_CASE("products and quotients of 16 bits are rounded down") {
+TEST_CASE("fixed compensator: products and quotients of 16 bits are rounded down") {
   std::mt19937 random(1);
   for (int i = 0; i < 20000; ++i) {
     const auto a = static_cast<std::int32_t>(random());
@@ -85,7 +85,7 @@ TEST_CASE("products and quotients of 16 bits are rounded down") {
       if (tb_r_short(under, over) != (under << 16) / over) FAIL(under << " / " << over);
 }
 
-TEST_CASE("on dense noisy reversals the integers err as the doubles do") {
+TEST_CASE("fixed compensator: on dense noisy reversals integers err by at most 2 % more than doubles") {
   for (const char* const name : kBoth)
     for (const bool falling : {false, true}) {
       const Kind kind = kind_of(name);
@@ -121,7 +121,7 @@ TEST_CASE("on dense noisy reversals the integers err as the doubles do") {
     }
 }
 
-TEST_CASE("the piece of a branch that is kept changes no reading") {
+TEST_CASE("fixed compensator: a cached piece of a branch changes no reading") {
   for (const char* const name : kBoth) {
     const Kind kind = kind_of(name);
     const auto fixed = fixed_of(kind);
@@ -175,7 +175,7 @@ TEST_CASE("fixed compensator: a single taxel reads as in the array, also with lo
   }
 }
 
-TEST_CASE("a history is unknown until the taxel was at its zero or top or is tared, and after ten lost frames") {
+TEST_CASE("fixed compensator: a history is unknown until zero, top or tare, and after ten lost frames") {
   for (const char* const name : kBoth) {
     const Kind kind = kind_of(name);
     const auto fixed = fixed_of(kind);
@@ -225,7 +225,7 @@ TEST_CASE("fixed compensator: an impossible count is held, a persistent one read
   }
 }
 
-TEST_CASE("a word that is changed changes the hash") {
+TEST_CASE("fixed compensator: changing any word of the table changes the hash") {
   for (const char* const name : kBoth) {
     const FixedModel whole = *fixed_of(kind_of(name));
     const auto hash = [](const FixedModel& model) {

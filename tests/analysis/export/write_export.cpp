@@ -39,7 +39,7 @@ std::vector<Row> rows_of(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("the vectors of an export reach every state and both ends, and a stream gives them back") {
+TEST_CASE("fixed export: test vectors cover every state and both ends, and a stream reproduces them") {
   for (const char* const name : {"elam", "linearised in time"}) {
     const auto fixed = std::make_shared<const FixedModel>(quantised(named(name), {5.0 / 65535.0, 76.0, 2, 0.0, 0.0}));
     const std::vector<Row> rows = rows_of(vectors_of(*fixed, 240));
@@ -71,7 +71,7 @@ TEST_CASE("the vectors of an export reach every state and both ends, and a strea
   }
 }
 
-TEST_CASE("an exported folder holds the words of the model, the header, an example that is called as the folder") {
+TEST_CASE("fixed export: the folder holds the model's words, the headers and an example named after it") {
   const SensorModel model = named("elam");
   const FixedModel fixed = quantised(model, {5.0 / 65535.0, 0.0, 2, 0.0, 0.0});
   const std::vector<ExportedFile> files = export_files(model, fixed, "robot", "1.2.3");

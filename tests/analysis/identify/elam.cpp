@@ -31,16 +31,7 @@ class PlayPlant {
 };
 
 History history_of(const std::vector<double>& turns, unsigned seed) {
-  History history;
-  std::mt19937 random(seed);
-  std::normal_distribution<double> noise(0.0, 0.004);
-  PlayPlant plant;
-  for (const double x : levels_of(turns, 1.0)) {
-    history.x.push_back(x);
-    history.y.push_back(plant(x) + noise(random));
-  }
-  history.branches = branches_along(history.x);
-  return history;
+  return drive("play", levels_of(turns, 1.0), PlayPlant(), 0.004, seed);
 }
 
 }  // namespace
@@ -95,15 +86,11 @@ namespace {
 // A recording that begins with the way from `from` to `to`, and one of the whole loop.
 int elam_samples(double from, double to, const IdentifyOptions& options = {}) {
   const ElamModel truth = model_of(paper_loop(), kPrinted, true);
-  FitData data{{}, truth.ascending, truth.descending};
-  const std::vector<double> begins{from, 0.5 * (from + to), to, 30.0, to > from ? 0.0 : 60.0, to},
-      loop{0, 20, 40, 60, 40, 20, 0, 30, 60, 0};
-  for (const std::vector<double>& x : {begins, loop}) {
-    History history{"h", x, {}, branches_along(x), {}, {}};
-    Plant plant(truth);
-    for (const double psi : x) history.y.push_back(plant(psi));
-    data.histories.push_back(std::move(history));
-  }
+  const std::vector<double> begins{from, 0.5 * (from + to), to, 30.0, to > from ? 0.0 : 60.0, to};
+  const FitData data{
+      {drive("begins", begins, Plant(truth)), drive("loop", {0, 20, 40, 60, 40, 20, 0, 30, 60, 0}, Plant(truth))},
+      truth.ascending,
+      truth.descending};
   return identify("elam", data, options).samples;
 }
 
@@ -111,29 +98,22 @@ int elam_samples(double from, double to, const IdentifyOptions& options = {}) {
 
 TEST_CASE("ELAM: a recording's first branch counts only if it starts within 0.6 psi of an end") {
   // All samples but each branch's first: 5 and 9. Without the first branch two less.
-  for (const bool free_run : {false, true}) {
-    IdentifyOptions options;
-    options.free_run = free_run;
-    CAPTURE(free_run);
-    CHECK(elam_samples(0.0, 60.0, options) == 14);
-    CHECK(elam_samples(0.59, 60.0, options) == 14);
-    CHECK(elam_samples(0.61, 60.0, options) == 12);
-    CHECK(elam_samples(20.0, 60.0, options) == 12);
-    CHECK(elam_samples(60.0, 0.0, options) == 14);
-    CHECK(elam_samples(59.41, 0.0, options) == 14);
-    CHECK(elam_samples(59.39, 0.0, options) == 12);
-    CHECK(elam_samples(40.0, 0.0, options) == 12);
-  }
+  struct Row {
+    double from, to;
+    int samples;
+  };
+  const Row rows[] = {{0, 60, 14}, {0.59, 60, 14}, {0.61, 60, 12}, {20, 60, 12},
+                      {60, 0, 14}, {59.41, 0, 14}, {59.39, 0, 12}, {40, 0, 12}};
+  for (const bool free_run : {false, true})
+    for (const auto& [from, to, samples] : rows) {
+      CAPTURE(free_run, from, to);
+      CHECK(elam_samples(from, to, {.free_run = free_run}) == samples);
+    }
 }
 
 TEST_CASE("ELAM: branches with unknown turning point are used if one direction would be missing without them") {
   const ElamModel truth = model_of(paper_loop(), kPrinted, true);
-  FitData data{{}, truth.ascending, truth.descending};
-  const std::vector<double> x{20, 40, 60, 30, 0};
-  History history{"h", x, {}, branches_along(x), {}, {}};
-  Plant plant(truth);
-  for (const double psi : x) history.y.push_back(plant(psi));
-  data.histories = {history};
+  const FitData data{{drive("h", {20, 40, 60, 30, 0}, Plant(truth))}, truth.ascending, truth.descending};
   CHECK(identify("elam", data, {}).samples == 4);
   for (const int splits : {1, 2, 8}) CHECK_NOTHROW(identify("elam", data, {.splits = splits}));
 }
@@ -156,18 +136,22 @@ TEST_CASE("ELAM: a direction with branches only from an end stays undetermined, 
 TEST_CASE("ELAM: parameters within 1e-9 of 0 or 1 count as at a bound, also for the longest split") {
   const std::vector<double> x{0, 60}, y{0, 3};
   const PatternCurve pattern(x, y, 0.0, 3.0);
-  const auto bounds = [&](const ElamParameters& p) { return bounds_met({pattern, pattern, p, {}}); };
-  CHECK(bounds({}) == 0);
-  CHECK(bounds({1e-9, 0.5, 0.0, 0.5, 0.5}) == 1);
-  CHECK(bounds({2e-9, 0.5, 0.0, 0.5, 0.5}) == 0);
-  CHECK(bounds({1.0 - 1e-9, 0.5, 0.0, 0.5, 0.5}) == 1);
-  CHECK(bounds({1.0 - 2e-9, 0.5, 0.0, 0.5, 0.5}) == 0);
-  CHECK(bounds({0.5, 0.0, 0.0, 0.5, 0.5}) == 2);
-  CHECK(bounds({0.5, 0.5, 0.5 / 60.0, 0.5, 0.5}) == 4);
-  CHECK(bounds({0.5, 0.5, -0.5 / 60.0, 0.5, 0.5}) == 4);
-  CHECK(bounds({0.5, 0.5, 0.5 / 60.0, 0.0, 0.5}) == 8);
-  CHECK(bounds({0.5, 0.5, 0.0, 1.0, 0.5}) == 12);
-  CHECK(bounds({0.5, 0.5, 0.0, 0.5, 1.0}) == 16);
+  using Row = std::pair<ElamParameters, unsigned>;
+  const Row rows[] = {{{}, 0},
+                      {{1e-9, 0.5, 0, 0.5, 0.5}, 1},
+                      {{2e-9, 0.5, 0, 0.5, 0.5}, 0},
+                      {{1 - 1e-9, 0.5, 0, 0.5, 0.5}, 1},
+                      {{1 - 2e-9, 0.5, 0, 0.5, 0.5}, 0},
+                      {{0.5, 0, 0, 0.5, 0.5}, 2},
+                      {{0.5, 0.5, 0.5 / 60, 0.5, 0.5}, 4},
+                      {{0.5, 0.5, -0.5 / 60, 0.5, 0.5}, 4},
+                      {{0.5, 0.5, 0.5 / 60, 0, 0.5}, 8},
+                      {{0.5, 0.5, 0, 1, 0.5}, 12},
+                      {{0.5, 0.5, 0, 0.5, 1}, 16}};
+  for (const auto& [p, bounds] : rows) {
+    CAPTURE(p.alpha_d, p.beta_d, p.alpha_a1, p.alpha_a0, p.beta_a);
+    CHECK(bounds_met({pattern, pattern, p, {}}) == bounds);
+  }
   ElamFit fit;
   fit.undetermined = 0b10101;
   CHECK(undetermined_names(fit) == std::vector<std::string>{"alpha_d", "alpha_a1", "beta_a"});

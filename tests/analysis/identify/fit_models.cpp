@@ -256,7 +256,7 @@ const std::vector<BoundedFit> kBoundedFits{
 
 }  // namespace
 
-TEST_CASE("identify: each model and mode reaches a J no larger than its bound") {
+TEST_CASE("identification: each model and mode reaches a J no larger than its bound") {
   const FitData data = bounded_data();
   for (const auto& [model, options, most_j] : kBoundedFits) {
     CAPTURE(model, options.free_run, options.memory, options.splits, options.linearise);
@@ -267,8 +267,6 @@ TEST_CASE("identify: each model and mode reaches a J no larger than its bound") 
 }
 
 // Taxels of a table whose inputs differ are fitted each by its own, and their mean where they are one.
-
-using namespace tactbench::analysis;
 
 namespace {
 
@@ -290,11 +288,9 @@ TableSeries inner_loop(int taxel, double turn, double gain) {
 }  // namespace
 
 TEST_CASE("fit_models: taxels with different inner inputs are fitted separately, without a mean taxel") {
-  HistoriesOptions options;
-  options.turn = 0.5;
-  options.noise = 0.0;
   const auto fitted = [&](const std::string& model, double other_turn) {
-    const Histories histories = histories_of({inner_loop(0, 4.0, 1.0), inner_loop(1, other_turn, 2.0)}, "t", options);
+    const Histories histories =
+        histories_of({inner_loop(0, 4.0, 1.0), inner_loop(1, other_turn, 2.0)}, "t", table_options(0.5, 0.0));
     return fit_models(model, histories, {}, {}, 1);
   };
   for (const std::string model : {"poly", "preisach", "mpi", "monotone"}) {
@@ -341,20 +337,33 @@ std::shared_ptr<const PolyModel> bent_poly() {
 }  // namespace
 
 TEST_CASE("predicted history: follows branches, and single samples outside of branches") {
-  check_alike(walked({0, 30, 60, 45, 30, 15}, {{0, 2, true}, {2, 5, false}}), {0, 1, 3, 2.5, 2, 1}, 1e-12);
-  // A step back within a branch is no turn: from 45 to 30 it would be 1.5.
-  check_alike(walked({0, 45, 30, 60, 30}, {{0, 3, true}, {3, 4, false}}), {0, 2, 1, 3, 2}, 1e-12);
-  // Before the only branch, and after it, it is one.
-  check_alike(walked({0, 45, 30, 15, 30, 60}, {{3, 5, true}}), {0, 2, 1.5, 1, 1.5, 3}, 1e-12);
-  check_alike(walked({0, 45, 30, 15}, {{0, 1, true}}), {0, 2, 1.5, 1}, 1e-12);
-  check_alike(walked({0, 45, 30, 15}, {}), {0, 2, 1.5, 1}, 1e-12);
-  // A recording that begins to fall came from the top; one that falls later did not.
-  check_alike(walked({30, 15}, {{0, 1, false}}), {2, 1}, 1e-12);
-  check_alike(walked({30, 45, 15}, {{1, 2, false}}), {1, 2, 1}, 1e-12);
-  CHECK(begins_falling({"h", {30, 15}, {}, {{0, 1, false}}}));
-  CHECK_FALSE(begins_falling({"h", {30, 15}, {}, {{0, 1, true}}}));
-  CHECK_FALSE(begins_falling({"h", {30, 45, 15}, {}, {{1, 2, false}}}));
-  CHECK_FALSE(begins_falling({"h", {30, 15}, {}, {}}));
+  struct Row {
+    const char* what;
+    std::vector<double> x;
+    std::vector<Branch> branches;
+    std::vector<double> y;
+    bool falls;
+  };
+  const Row rows[] = {
+      {"up and down", {0, 30, 60, 45, 30, 15}, {{0, 2, true}, {2, 5, false}}, {0, 1, 3, 2.5, 2, 1}, false},
+      // From 45 to 30 it would be 1.5.
+      {"a step back within a branch is no turn",
+       {0, 45, 30, 60, 30},
+       {{0, 3, true}, {3, 4, false}},
+       {0, 2, 1, 3, 2},
+       false},
+      {"before the only branch it is one", {0, 45, 30, 15, 30, 60}, {{3, 5, true}}, {0, 2, 1.5, 1, 1.5, 3}, false},
+      {"after it, too", {0, 45, 30, 15}, {{0, 1, true}}, {0, 2, 1.5, 1}, false},
+      {"no branch", {0, 45, 30, 15}, {}, {0, 2, 1.5, 1}, false},
+      {"begins to fall: it came from the top", {30, 15}, {{0, 1, false}}, {2, 1}, true},
+      {"falls later: it did not", {30, 45, 15}, {{1, 2, false}}, {1, 2, 1}, false},
+      {"begins to rise", {15, 30}, {{0, 1, true}}, {0.5, 1}, false},
+      {"falls without a branch", {30, 15}, {}, {1, 0.5}, false}};
+  for (const Row& row : rows) {
+    INFO(row.what);
+    check_alike(walked(row.x, row.branches), row.y, 1e-12);
+    CHECK(begins_falling({"h", row.x, {}, row.branches}) == row.falls);
+  }
 }
 
 TEST_CASE("predicted history: a measured turning point starts the next branch, except in a free run") {

@@ -11,8 +11,8 @@
 #include "analysis/identify/fit_samples.h"
 #include "analysis/identify/rivals/nnls.h"
 #include "analysis/identify/sensor_model.h"
-#include "tests/analysis/identify/refusals.h"
 #include "tests/analysis/support/alike.h"
+#include "tests/analysis/support/fit_samples.h"
 
 using namespace tactbench::analysis;
 
@@ -90,12 +90,12 @@ TEST_CASE("FitSamples: data that cannot be fitted are refused with a reason") {
 
 TEST_CASE("FitSamples: needs both directions, or one if that is enough") {
   FitData data = up_and_down();
-  data.histories.erase(data.histories.begin());
-  CHECK_FALSE(samples_refused(data).empty());
-  CHECK(samples_refused(data, true).empty());
-  data.histories[0] = {"up", {0.0, 30.0}, {0.0, 1.0}, {{0, 1, true}}};
-  CHECK_FALSE(samples_refused(data).empty());
-  CHECK(samples_refused(data, true).empty());
+  const History falls = data.histories[1], rises{"up", {0.0, 30.0}, {0.0, 1.0}, {{0, 1, true}}};
+  for (const History& one : {falls, rises}) {
+    data.histories = {one};
+    CHECK_FALSE(samples_refused(data).empty());
+    CHECK(samples_refused(data, true).empty());
+  }
   data.histories[0].branches.clear();
   CHECK_FALSE(samples_refused(data, true).empty());
 }
@@ -187,6 +187,9 @@ TEST_CASE("non-negative least squares: negative coefficients become 0 and the ot
   const std::vector<double> twins = least_squares({{1, 1}, {1, 1}}, {2, 2});
   CHECK(twins[0] + twins[1] == Approx(2.0));
   CHECK(std::min(twins[0], twins[1]) == 0.0);
+  // Whatever the unit of the columns.
+  for (const double unit : {1e-7, 1e-3, 1e3, 1e7})
+    check_alike(least_squares({{2 * unit, unit}, {unit, 2 * unit}}, {5 * unit, 4 * unit}), {2, 1});
 }
 
 TEST_CASE("non-negative least squares: no subset of columns gives a smaller sum of squares") {

@@ -14,7 +14,7 @@
 #include "analysis/models/linearised.h"
 #include "analysis/models/model_json.h"
 #include "analysis/models/preisach.h"
-#include "tests/analysis/support/dynamic_plant.h"
+#include "tests/analysis/support/dynamic_runs.h"
 #include "tests/analysis/support/fit_samples.h"
 
 using namespace tactbench::analysis;
@@ -157,9 +157,9 @@ class NeverFits final : public Identifier {
   [[nodiscard]] ModelFit fit(const FitData& /*data*/) const override { throw std::invalid_argument("not these"); }
 };
 
-FitData data_with_divider() {
-  const LinearisedModel film({0.02, 1.0 / 3.3}, std::make_unique<PreisachModel>(film_of(29, 30)));
-  return two_sequences(film);
+const LinearisedModel& plant() {
+  static const LinearisedModel model({0.02, 1.0 / 3.3}, std::make_unique<PreisachModel>(film_of(29, 30)));
+  return model;
 }
 
 double above_plain(const FitData& data) { return 1.01 * data.ascending.y().back(); }
@@ -177,14 +177,15 @@ std::vector<double> held_outputs(const FitData& data) {
 }
 
 double amplitude_taken(const FitData& data, bool cross, const PrepareInner& inner) {
-  const ModelFit fit = prepare_linearised(data, false, cross, inner)->fit(data);
-  return dynamic_cast<const LinearisedModel&>(*fit.model).divider().per_amplitude;
+  return dynamic_cast<const LinearisedModel&>(*prepare_linearised(data, false, cross, inner)->fit(data).model)
+      .divider()
+      .per_amplitude;
 }
 
 }  // namespace
 
 TEST_CASE("linearised: the divider is used if it reduces the errors on held-out branches", "[linearise]") {
-  const FitData data = data_with_divider();
+  const FitData data = two_sequences(plant());
   REQUIRE(find_divider(data).divider.per_amplitude > 0.0);
   const double zero = data.ascending.y().front(), above = above_plain(data);
   // With the divider all samples are `zero`, without it `even`, where both err by as much in sum.
@@ -208,7 +209,7 @@ TEST_CASE("linearised: the divider is used if it reduces the errors on held-out 
 
 TEST_CASE("linearised: if no branches can be held out the congruency test alone decides on the divider",
           "[linearise]") {
-  const FitData data = data_with_divider();
+  const FitData data = two_sequences(plant());
   const double above = above_plain(data);
   int prepared = 0;
   // Without the divider all would be less.
@@ -228,7 +229,7 @@ TEST_CASE("linearised: if no branches can be held out the congruency test alone 
 }
 
 TEST_CASE("linearised: errors are those of the whole model on the measured outputs", "[linearise]") {
-  const FitData data = data_with_divider();
+  const FitData data = two_sequences(plant());
   const double above = above_plain(data), zero = data.ascending.y().front();
   const auto fit = prepare_linearised(data, false, false, [&](const FitData&) {
                      return std::make_unique<ConstantOutputs>(above, 0.0, 9.0);
@@ -279,11 +280,6 @@ namespace {
 
 const LinearisedModel& linearised_in(const ModelFit& fit) { return dynamic_cast<const LinearisedModel&>(*fit.model); }
 
-const LinearisedModel& plant() {
-  static const LinearisedModel model({0.02, 1.0 / 3.3}, std::make_unique<PreisachModel>(film_of(29, 30)));
-  return model;
-}
-
 // A model of a table's one taxel, with what its document holds.
 SensorModel sensor_of(const std::string& name, const ModelFit& fit, const FitData& data) {
   SensorModel sensor;
@@ -303,8 +299,7 @@ SensorModel sensor_of(const std::string& name, const ModelFit& fit, const FitDat
 
 TEST_CASE("linearised: finds a plant's divider within 1 %, and without one equals the plain model bit for bit",
           "[linearise]") {
-  IdentifyOptions options;
-  options.linearise = true;
+  const IdentifyOptions options{.linearise = true};
   for (const unsigned seed : {31U, 32U, 33U}) {
     for (const double amplitude : {2.7, 3.9}) {
       const LinearisedModel film({0.02, 1.0 / amplitude}, std::make_unique<PreisachModel>(film_of(seed, 30)));
@@ -329,10 +324,8 @@ TEST_CASE("linearised: finds a plant's divider within 1 %, and without one equal
 TEST_CASE("linearised: documents store and read back the divider, documents of plain models have no divider",
           "[linearise]") {
   const FitData data = two_sequences(plant());
-  IdentifyOptions options;
-  options.linearise = true;
   for (const std::string& name : model_names()) {
-    const SensorModel sensor = sensor_of(name, identify(name, data, options), data);
+    const SensorModel sensor = sensor_of(name, identify(name, data, {.linearise = true}), data);
     CHECK(label_of(sensor) == std::string(name) + ", linearised");
     const std::string text = to_text(sensor);
     CHECK_THAT(text, Catch::Contains("\"linearise\": true"));

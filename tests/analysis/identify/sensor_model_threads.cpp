@@ -1,5 +1,7 @@
 // Fitted models of every kind: figures, verdicts, frames and storage for every model that can be inverted.
+
 #include <catch2/catch.hpp>
+
 #include <cmath>
 
 #include "analysis/identify/histories.h"
@@ -7,37 +9,30 @@
 #include "analysis/identify/sensor_model.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/statistics/figures/evaluation.h"
+#include "analysis/statistics/scoring/score.h"
 #include "tests/analysis/support/dynamic_runs.h"
-#include "tests/analysis/support/synthetic.h"
+#include "tests/analysis/support/fit_samples.h"
 
 using namespace synthetic;
 
 namespace {
 
-Dataset array_run(unsigned seed) {
-  ArrayOptions options;
-  options.rows = 1;
-  options.columns = 2;
-  RunOptions how;
-  how.seed = seed;
-  return run(Array(options), how);
+Dataset run_of_two(unsigned seed, int repeats = 5) {
+  return run(Array({.rows = 1, .columns = 2}), {.seed = seed, .repeats = repeats});
 }
 
-FitOptions by(const std::string& model) {
-  FitOptions options;
-  options.model = model;
-  options.identify.starts = 2;
-  return options;
+SensorModel fit_of(const Dataset& data, const std::string& model, int threads = 0) {
+  return fit_array(data, fit_by(model, {.starts = 2}, threads));
 }
 
 }  // namespace
 
 TEST_CASE("evaluate: every model has a finite error on a held-out run, ELAM and GPI a smaller one than monotone") {
-  const Dataset fitted = array_run(1), held_out = array_run(2);
+  const Dataset fitted = run_of_two(1), held_out = run_of_two(2);
   double monotone = 0.0;
   for (const std::string model : {"monotone", "elam", "gpi", "mpi", "preisach", "poly"}) {
     INFO(model);
-    const SensorModel fit = fit_array(fitted, by(model));
+    const SensorModel fit = fit_of(fitted, model);
     REQUIRE(fit.fitted().size() == 2);
     const Evaluation e = evaluate(held_out, fit);
     CHECK((std::isfinite(e.mean_error_psi) && e.mean_error_psi > 0.0));
@@ -47,20 +42,8 @@ TEST_CASE("evaluate: every model has a finite error on a held-out run, ELAM and 
   }
 }
 
-namespace {
-
-Dataset small_run() {
-  ArrayOptions options;
-  options.rows = options.columns = 2;
-  RunOptions run_options;
-  run_options.repeats = 2;
-  return run(Array(options), run_options);
-}
-
-}  // namespace
-
 TEST_CASE("histories of a run: contain averages to fit, measured repeats to score, and a mean taxel") {
-  const Dataset dataset = small_run();
+  const Dataset dataset = run(Array({.rows = 2, .columns = 2}), {.repeats = 2});
   const Histories histories = histories_of(dataset);
   REQUIRE(histories.taxels.size() == 5);
   CHECK(histories.sequences == std::vector<std::string>{"descending", "ascending"});
@@ -80,14 +63,6 @@ TEST_CASE("histories of a run: contain averages to fit, measured repeats to scor
 // The models' residuals on a plant of another class, in the uncertainty of their streams, and how they are stored.
 
 namespace {
-
-SensorModel fit_of(const Dataset& data, const std::string& model, int threads = 0) {
-  FitOptions options;
-  options.model = model;
-  options.identify.starts = 2;
-  options.threads = threads;
-  return fit_array(data, options);
-}
 
 struct Held {
   double with = 0.0, without = 0.0;  // shares of the samples within twice the uncertainty, with and without residual
@@ -172,4 +147,35 @@ TEST_CASE("FrameCompensator: a start in mid-run is unknown, and so is the state 
   for (int i = 0; i < 3; ++i) stream.lost_frame(2.6, output);
   frame(76);
   CHECK(unknown());
+}
+
+TEST_CASE("model document: every model kind is read back bit for bit, and predicts the same") {
+  Histories histories = histories_of(run_of_two(1, 2));
+  histories.content_sha256 = "0123456789abcdef";
+  for (const std::string& name : model_names()) {
+    INFO(name);
+    const SensorModel document = fit_models(name, histories, {}, {.starts = 2});
+    const std::string text = to_text(document);
+    const SensorModel back = document_from_text(text, "m.json");
+    CHECK(to_text(back) == text);
+    CHECK(sha256_of(back) == sha256_of(document));
+    const History& history = histories.taxels[0].score[0];
+    CHECK(predict(*back.taxels[0].fit.model, history.x) == predict(*document.taxels[0].fit.model, history.x));
+    CHECK((back.validity.input && back.validity.input->high == Approx(60.0)));
+  }
+}
+
+TEST_CASE("fit_models: the result does not depend on the number of threads") {
+  const Histories histories = histories_of(run_of_two(1, 2));
+  CHECK(to_text(fit_models("poly", histories, {}, {}, 1)) == to_text(fit_models("poly", histories, {}, {}, 3)));
+}
+
+TEST_CASE("cross-validation: the error of ELAM on ELAM's data is at most 3 times that of its fit") {
+  const Histories histories = histories_of(run_of_two(1, 2));
+  const FitData data = fit_data_of(histories.taxels[0], {});
+  const ModelFit fit = identify("elam", data);
+  const ErrorSum crossed = cross_validate("elam", data, {});
+  CHECK(crossed.samples == 150);  // five inner branches each way
+  CHECK(crossed.mean() < 3.0 * fit.mean_error + 0.002 * fit.full_scale);
+  CHECK(cross_validate("monotone", data, {}).mean() > 3.0 * crossed.mean());
 }

@@ -7,10 +7,11 @@
 #include "analysis/error.h"
 #include "analysis/identify/fit_models.h"
 #include "analysis/identify/histories.h"
-#include "tests/analysis/identify/refusals.h"
+#include "tests/analysis/support/fit_samples.h"
 #include "tests/bench/cli/play_table.h"
 
 using namespace tactbench::analysis;
+using synthetic::table_options;
 using tactbench::tests::play_samples;
 
 namespace {
@@ -33,9 +34,7 @@ TableSeries play_series(const std::string& sequence, const std::vector<double>& 
 }
 
 std::size_t branches_of(const TableSeries& series, double turn = -1.0) {
-  HistoriesOptions options;
-  options.turn = turn;
-  return histories_of({series}, "t.csv", options).taxels[0].fit[0].branches.size();
+  return histories_of({series}, "t.csv", table_options(turn)).taxels[0].fit[0].branches.size();
 }
 
 const std::vector<double> kTurningPoints = {0, 10, 0, 10, 5, 10, 3, 10, 1, 10, 0, 8, 0, 6, 0, 4, 0};
@@ -45,20 +44,18 @@ const std::vector<double> kTurningPoints = {0, 10, 0, 10, 5, 10, 3, 10, 1, 10, 0
 TEST_CASE("noise estimate: uses the fitted branches, without turning points and without scored data") {
   const std::vector<TableSeries> table = {play_series("fit", kTurningPoints, 40, {0.0, 0.01}),
                                           play_series("score", kTurningPoints, 40, {0.0, 1.0})};
-  HistoriesOptions options;
-  options.fitted = {"fit"};
-  CHECK(histories_of(table, "t.csv", options).taxels[0].noise == Approx(0.01).epsilon(0.15));
-  options.fitted = {"score"};
-  CHECK(histories_of(table, "t.csv", options).taxels[0].noise == Approx(1.0).epsilon(0.15));
-  options.noise = 0.5;
-  CHECK(histories_of(table, "t.csv", options).taxels[0].noise == 0.5);
+  const auto noise_of = [&](const HistoriesOptions& options) {
+    return histories_of(table, "t.csv", options).taxels[0].noise;
+  };
+  CHECK(noise_of(table_options(-1.0, -1.0, {"fit"})) == Approx(0.01).epsilon(0.15));
+  CHECK(noise_of(table_options(-1.0, -1.0, {"score"})) == Approx(1.0).epsilon(0.15));
+  CHECK(noise_of(table_options(-1.0, 0.5, {"score"})) == 0.5);
 }
 
 TEST_CASE("scored data: change neither the turn size nor the noise of the fitted data") {
   const TableSeries fitted = play_series("fit", kTurningPoints, 40, {0.002, 0.01});
   TableSeries wide = play_series("score", {0, 30, 0, 30, 0}, 400, {0.5, 0.0});
-  HistoriesOptions options;
-  options.fitted = {"fit"};
+  const HistoriesOptions options = table_options(-1.0, -1.0, {"fit"});
   const TaxelHistories alone = histories_of({fitted}, "t.csv", options).taxels[0];
   const TaxelHistories both = histories_of({fitted, wide}, "t.csv", options).taxels[0];
   CHECK(both.turn == alone.turn);
@@ -169,8 +166,7 @@ TEST_CASE("table warnings: each doubtful feature is reported once, and a sound r
     };
     block(twice.input, from, 42);
     block(twice.output, from, 42);
-    HistoriesOptions options;
-    options.turn = 5.5;
+    const HistoriesOptions options = table_options(5.5);
     CHECK(warnings_of(twice, options) == warnings_of(sound, options) + 1);
   }
   CHECK(warnings_of(play_series("1", kTurningPoints, 40)) == 0);  // without noise the same cycle may come again
@@ -189,10 +185,9 @@ TEST_CASE("table warnings: small slips of the input are reported with a turn siz
         warnings, [](const std::string& warning) { return warning.find("--turn ") != std::string::npos; });
     REQUIRE(told != warnings.end());
     CHECK_THAT(*told, Catch::Contains(std::to_string(2 * slips) + " of " + std::to_string(branches + 2 * slips)));
-    HistoriesOptions options;
-    options.turn = std::stod(told->substr(told->find("--turn ") + 7));
-    CHECK(branches_of(series, options.turn) == branches);
-    CHECK(warnings_of(series, options) == 0);
+    const double turn = std::stod(told->substr(told->find("--turn ") + 7));
+    CHECK(branches_of(series, turn) == branches);
+    CHECK(warnings_of(series, table_options(turn)) == 0);
   }
   // Small loops on purpose.
   CHECK(warnings_of(play_series("1", {0, 10, 0, 10, 0, 5, 4.2, 5, 4.2, 7, 6.2, 7, 10, 7, 7.8, 7, 5, 5.8, 5, 0, 10, 0},
@@ -266,10 +261,7 @@ TableSeries doubtful_series(const std::string& name, const std::vector<double>& 
 }
 
 Histories doubts_of(const std::vector<TableSeries>& series, double turn = 0.0, double noise = 0.0) {
-  HistoriesOptions options;
-  options.turn = turn;
-  options.noise = noise;
-  return histories_of(series, "t", options);
+  return histories_of(series, "t", table_options(turn, noise));
 }
 
 std::string about(const Histories& histories, const std::string& words) {
@@ -342,11 +334,7 @@ TEST_CASE("table histories: tables that are too short, constant or no wider than
 
 TEST_CASE("fit data: without a loop the end outputs are means within 1 % of the lowest and highest input") {
   TableSeries series{"a", 0, {0, 1, 1.5, 50, 98.5, 99, 100}, {1.0, 2.0, 4.0, 5.0, 6.0, 8.0, 9.0}};
-  HistoriesOptions options;
-  options.turn = 0.0;
-  options.noise = 0.0;
-  const Histories histories = histories_of({series}, "t", options);
-  const FitData data = fit_data_of(histories.taxels[0], {});
+  const FitData data = fit_data_of(doubts_of({series}).taxels[0], {});
   CHECK_FALSE(data.no_loop.empty());
   CHECK(data.ascending.y().front() == Approx(1.5));
   CHECK(data.ascending.y().back() == Approx(8.5));
@@ -384,10 +372,7 @@ TEST_CASE("turn size: a stated value, also 0, applies to sequences that are only
   even.output = even.input;
   noisy.output = noisy.input;
   const auto branches_with = [&](double turn) {
-    HistoriesOptions options;
-    options.turn = turn;
-    options.fitted = {"even"};
-    return histories_of({even, noisy}, "t", options).taxels[0].score[1].branches.size();
+    return histories_of({even, noisy}, "t", table_options(turn, -1.0, {"even"})).taxels[0].score[1].branches.size();
   };
   CHECK(branches_with(0.0) > 100);
   CHECK(branches_with(0.5) > 100);
@@ -415,14 +400,10 @@ TEST_CASE("noise of counts: is the rounding to a count if twenty values show it,
       series.input.push_back(series.input.back() + 1.0);
       series.output.push_back(series.output.back() + (i < steps ? 0.5 : 0.0));
     }
-    HistoriesOptions options;
-    options.turn = 0.0;
-    return histories_of({series}, "t", options).taxels[0].noise;
+    return histories_of({series}, "t", table_options(0.0)).taxels[0].noise;
   };
   // Outputs that never change are not counts: in a fitted sequence, next to one that is not fitted.
-  HistoriesOptions still;
-  still.turn = 0.0;
-  still.fitted = {"a"};
+  const HistoriesOptions still = table_options(0.0, -1.0, {"a"});
   const TableSeries constant{"a", 0, {0, 1, 2, 1, 0}, {3, 3, 3, 3, 3}}, other{"b", 0, {0, 1, 2, 1, 0}, {0, 9, 5, 7, 1}};
   CHECK(histories_of({constant, other}, "t", still).taxels[0].noise == 0.0);
   CHECK(noise_with(61, 60) == Approx(0.5 / std::sqrt(12.0)));

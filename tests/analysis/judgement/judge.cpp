@@ -1,14 +1,19 @@
-// From evidence to judgement: the verdict of each figure, which runs count, and what follows from the figures.
-#include <algorithm>
+// From evidence to judgement: the verdict of each figure, which runs count, and what follows from the figures; decision
+// rules; which trajectory a run judges.
+
 #include <catch2/catch.hpp>
-#include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 
-#include "analysis/judgement/judgement.h"
+#include <algorithm>
+#include <cmath>
+#include <limits>
 
-using namespace tactbench;
+#include "analysis/judgement/figure.h"
+#include "analysis/judgement/judgement.h"
+#include "analysis/statistics/numbers/moments.h"
+
 using namespace tactbench::analysis;
+using namespace tactbench;
 
 namespace judging {
 namespace {
@@ -318,3 +323,170 @@ TEST_CASE("judged value: is read back from store and JSON unchanged, and unknown
 }
 
 }  // namespace judging
+
+// The ladder of verdicts, and the decision rules at the limit and U to either side of it.
+
+TEST_CASE("Verdict: names are distinct, and stores keep all verdicts except report only") {
+  const std::vector<std::string> ladder = {"report only",      "pass",         "conditional pass",
+                                           "conditional fail", "inconclusive", "fail"};
+  std::vector<std::string> words;
+  for (const Verdict verdict : kVerdicts) {
+    words.emplace_back(to_string(verdict));
+    CHECK(verdict_from(words.back()) == verdict);
+    CHECK(verdict_text(verdict) == words.back());
+    CHECK(states_conformity(verdict) == (verdict != Verdict::kReportOnly));
+    CHECK(passes(verdict) == (verdict == Verdict::kPass || verdict == Verdict::kConditionalPass));
+  }
+  CHECK(words == ladder);
+  CHECK(std::ranges::is_sorted(kVerdicts));
+  CHECK(verdict_names() == std::vector<std::string>(ladder.begin() + 1, ladder.end()));
+  for (const char* other : {"", "Pass", "passed", "warning"}) CHECK_FALSE(verdict_from(other));
+  CHECK(verdict_text(std::nullopt).empty());
+  CHECK_FALSE((states_conformity(std::nullopt) || passes(std::nullopt)));
+}
+
+TEST_CASE("decision rules: give the expected verdict at the limit and U to either side of it") {
+  // Limit 2, U 0.25: both are exact in binary.
+  const auto above = [](double value) { return std::nextafter(value, 9.0); };
+  constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
+  using enum DecisionRule;
+  struct Case {
+    DecisionRule rule;
+    double value, expanded;
+    Verdict verdict;
+  };
+  for (const Case& each : {Case{kFourWay, -1.0, 0.25, Verdict::kPass},
+                           Case{kFourWay, 1.75, 0.25, Verdict::kPass},
+                           Case{kFourWay, above(1.75), 0.25, Verdict::kConditionalPass},
+                           Case{kFourWay, 2.0, 0.25, Verdict::kConditionalPass},
+                           Case{kFourWay, above(2.0), 0.25, Verdict::kConditionalFail},
+                           Case{kFourWay, 2.25, 0.25, Verdict::kConditionalFail},
+                           Case{kFourWay, above(2.25), 0.25, Verdict::kFail},
+                           Case{kFourWay, 2.0, 0.0, Verdict::kPass},
+                           Case{kFourWay, above(2.0), 0.0, Verdict::kFail},
+                           Case{kFourWay, 1.0, kNotKnown, Verdict::kInconclusive},
+                           Case{kFourWay, kNotKnown, 0.25, Verdict::kInconclusive},
+                           Case{kSimple, 2.0, 0.25, Verdict::kPass},
+                           Case{kSimple, above(2.0), 0.25, Verdict::kFail},
+                           Case{kSimple, 2.0, kNotKnown, Verdict::kPass},
+                           Case{kGuarded, 1.75, 0.25, Verdict::kPass},
+                           Case{kGuarded, above(1.75), 0.25, Verdict::kFail},
+                           Case{kGuarded, 1.0, kNotKnown, Verdict::kInconclusive},
+                           Case{kDefault, 2.0, 0.25, Verdict::kConditionalPass},
+                           Case{kDefault, 2.0, kNotKnown, Verdict::kPass},
+                           Case{kReportOnly, 9.0, 0.25, Verdict::kReportOnly}}) {
+    CAPTURE(to_string(each.rule), each.value, each.expanded);
+    CHECK(verdict_of(each.rule, each.value, 2.0, each.expanded) == each.verdict);
+  }
+  CHECK(verdict_of(kDefault, 1.0, kNotKnown, 0.1) == Verdict::kInconclusive);
+}
+
+TEST_CASE("decision rules: convert to and from names, and their text states the probabilities") {
+  for (const char* name : {"default", "simple", "guarded", "four-way", "report-only"}) {
+    const auto rule = decision_rule_from(name);
+    REQUIRE(rule);
+    CHECK(std::string(to_string(*rule)) == name);
+    CHECK_THAT(rule_text(*rule), Catch::Contains("ILAC-G8:09/2019"));
+  }
+  CHECK_FALSE(decision_rule_from("strict"));
+  CHECK_THAT(rule_text(DecisionRule::kSimple), Catch::Contains("50 %"));
+  CHECK_THAT(rule_text(DecisionRule::kGuarded), Catch::Contains("2.5 %"));
+  CHECK_THAT(rule_text(DecisionRule::kFourWay), Catch::Contains("2.5 %") && Catch::Contains("50 %"));
+}
+
+namespace trajectory_edges {
+
+// Which trajectory a run judges, at the edges of its rules: how near to an end a turning point lies, how many there
+// are, how long a branch is, how far two dwells differ.
+
+namespace {
+
+// One step for each set-point, without a time from command to frame.
+SequenceData steps_at(const std::vector<double>& set_points) {
+  Repeat repeat;
+  for (const double psi : set_points) repeat.steps.push_back({psi, psi, 0.0, 0.0});
+  return {"s", {repeat}};
+}
+
+Dataset run_at(const std::vector<std::vector<double>>& sequences) {
+  Dataset dataset;
+  dataset.run = 7;
+  for (const std::vector<double>& set_points : sequences) dataset.sequences.push_back(steps_at(set_points));
+  return dataset;
+}
+
+JudgedTrajectory judged(const std::vector<double>& set_points) {
+  return judged_trajectory(run_at({set_points}), run_at({{0, 50, 0}}));
+}
+
+}  // namespace
+
+TEST_CASE("trajectory: random if it has eight turning points, under a third of them within 1 % of an end") {
+  using Row = std::pair<std::vector<double>, Trajectory>;
+  const std::vector<Row> rows = {
+      {{0, 50, 20, 60, 30, 70, 40, 80, 10, 100}, Trajectory::kRandomReversals},  // eight
+      {{0, 50, 20, 60, 30, 70, 40, 80, 5}, Trajectory::kOther},                  // seven
+      // Nine turning points from 0 to 100 psi: those at 99, 1 and 100 psi lie at an end.
+      {{0, 99, 40, 60, 1, 50, 30, 100, 20, 70, 10}, Trajectory::kOther},
+      {{0, 98.9, 40, 60, 1, 50, 30, 100, 20, 70, 10}, Trajectory::kRandomReversals},
+      {{0, 99, 40, 60, 1.1, 50, 30, 100, 20, 70, 10}, Trajectory::kRandomReversals},
+      {{0, 99, 40, 60, 1, 50, 30, 100, 20, 70, 10, 15}, Trajectory::kRandomReversals}};  // three of ten
+  for (const auto& [set_points, trajectory] : rows) {
+    CAPTURE(set_points);
+    CHECK(judged(set_points).trajectory == trajectory);
+  }
+}
+
+TEST_CASE("trajectory: a branch is inner when it is shorter than 98 % of the range") {
+  // Six branches of one frame each: the last two span 97.9 of 100 psi.
+  const JudgedTrajectory found = judged({0, 100, 0, 98, 0, 97.9, 0});
+  CHECK(found.inner_share == Approx(2.0 / 6.0));
+  CHECK(found.reversals == 5);
+  // Frames count, not branches: 3 of 8.
+  CHECK(judged({0, 50, 100, 50, 0, 100, 50, 40, 30}).inner_share == Approx(3.0 / 8.0));
+}
+
+TEST_CASE("trajectory: the range is that of all sequences, the turning points are those of the longest") {
+  const JudgedTrajectory found = judged_trajectory(run_at({{0, 40, 0, 40, 0}, {20, 80, 20}}), run_at({{0, 40, 0}}));
+  CHECK(found.reversals == 3);
+  CHECK(found.inner_share == 1.0);
+  CHECK(judged_trajectory(run_at({{20, 80, 20}, {0, 40, 0, 40, 0}}), run_at({{0, 40, 0}})).reversals == 3);
+  CHECK(judged({50}).inner_share == 0.0);
+  CHECK(judged({50}).reversals == 0);
+}
+
+TEST_CASE("trajectory: set-points equal the fitted ones within 1e-6 psi each, with no step missing") {
+  CHECK(judged({0, 50.0000009, 0}).trajectory == Trajectory::kAsFitted);
+  CHECK(judged({0, 50.0000011, 0}).trajectory == Trajectory::kOther);
+  CHECK(judged({0, 50}).trajectory == Trajectory::kOther);
+  CHECK(judged({0, 50, 0, 50}).trajectory == Trajectory::kOther);
+  // Every sequence must be one of the fitted ones; not every fitted one must be there.
+  CHECK(judged_trajectory(run_at({{0, 50, 0}, {0, 30, 0}}), run_at({{0, 30, 0}, {0, 50, 0}, {0, 20, 0}})).trajectory ==
+        Trajectory::kAsFitted);
+  CHECK(judged_trajectory(run_at({{0, 30, 0}, {0, 50, 0}}), run_at({{0, 50, 0}})).trajectory == Trajectory::kOther);
+}
+
+TEST_CASE("trajectory: dwells differ if they are more than 20 % of the fitted dwell apart") {
+  for (const auto& [dwell_s, other] :
+       {std::pair(6.0, false), {6.01, true}, {4.0, false}, {3.99, true}, {kNan, false}}) {
+    JudgedTrajectory out;
+    set_dwell(out, dwell_s, 5.0);
+    CAPTURE(dwell_s);
+    CHECK((out.dwell_s == dwell_s || std::isnan(dwell_s)));
+    CHECK(out.fitted_dwell_s == 5.0);
+    CHECK(out.other_dwell == other);
+  }
+}
+
+TEST_CASE("trajectory: the dwell is the median of the stated times, and unknown if none is stated") {
+  Dataset own = run_at({{0, 50, 0}}), fitted = own;
+  const JudgedTrajectory none = judged_trajectory(own, fitted);
+  CHECK(std::isnan(none.dwell_s));
+  own.sequences[0].repeats[0].steps[1].held_s = 0.5;
+  own.sequences[0].repeats[0].steps[2].held_s = 1.5;
+  fitted.sequences[0].repeats[0].steps[2].held_s = 4.0;
+  const JudgedTrajectory known = judged_trajectory(own, fitted);
+  CHECK((known.dwell_s == 1.0 && known.fitted_dwell_s == 4.0));
+}
+
+}  // namespace trajectory_edges

@@ -1,11 +1,13 @@
 // The maximum permissible error of a reading: judged to either side of the limit.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "analysis/judgement/judgement.h"
 #include "analysis/judgement/mpe.h"
 #include "analysis/statistics/numbers/moments.h"
+#include "tests/analysis/support/alike.h"
 #include "tests/analysis/support/straight_array.h"
 
 using namespace tactbench;
@@ -40,18 +42,28 @@ TEST_CASE("mpe: a reading conforms if error and U of the share of taxels are wit
     evidence.runs[0].figures = judged_mpe(mpe_figures(known_loop(), straight_fit(), is_per_reading, limits.mpe, 1));
     return std::string(to_string(judge(evidence, limits).figures.back().verdict));
   };
-  const DecisionRule four = DecisionRule::kFourWay;
-  CHECK(judged_at(8.001, four, &known) == "pass");
-  CHECK(judged_at(7.999, four, &known) == "conditional pass");
-  CHECK(judged_at(5.999, four, &known) == "conditional fail");
-  CHECK(judged_at(3.999, four, &known) == "fail");
-  CHECK(judged_at(7.999, DecisionRule::kGuarded, &known) == "fail");
-  CHECK(judged_at(6.001, DecisionRule::kSimple, nullptr) == "pass");
-  CHECK(judged_at(100.0, four, nullptr) == "inconclusive");
-  // By default, too: no reading passes by its mean error alone, and one fails by it.
-  CHECK(judged_at(100.0, DecisionRule::kDefault, nullptr) == "inconclusive");
-  CHECK(judged_at(5.999, DecisionRule::kDefault, nullptr) == "fail");
-  CHECK(judged_at(8.001, DecisionRule::kDefault, &known) == "pass");
+  struct Row {
+    double mpe_psi;
+    DecisionRule rule;
+    const Uncertainty* known;
+    const char* verdict;
+  };
+  using enum DecisionRule;
+  const Row rows[] = {{8.001, kFourWay, &known, "pass"},
+                      {7.999, kFourWay, &known, "conditional pass"},
+                      {5.999, kFourWay, &known, "conditional fail"},
+                      {3.999, kFourWay, &known, "fail"},
+                      {7.999, kGuarded, &known, "fail"},
+                      {6.001, kSimple, nullptr, "pass"},
+                      {100.0, kFourWay, nullptr, "inconclusive"},
+                      // By default, too: no reading passes by its mean error alone, and one fails by it.
+                      {100.0, kDefault, nullptr, "inconclusive"},
+                      {5.999, kDefault, nullptr, "fail"},
+                      {8.001, kDefault, &known, "pass"}};
+  for (const Row& row : rows) {
+    CAPTURE(row.mpe_psi, to_string(row.rule), row.known != nullptr);
+    CHECK(judged_at(row.mpe_psi, row.rule, row.known) == row.verdict);
+  }
 }
 
 // U of a reading at levels beside and between those it is stated for, the worst of several kinds, and shares of taxels.
@@ -165,17 +177,15 @@ TEST_CASE("mpe: a taxel without U at a level has none, and neither has a share t
 
 TEST_CASE("mpe: levels of a span are counted per branch, with both ends and 0.01 psi beyond") {
   const Dataset data = straight_array::known_loop();
-  const auto levels = [&](double low, double high) { return figure_at(low, high, 0.95, unequal(), data).levels; };
-  CHECK(levels(0, 60) == 7);
-  CHECK(levels(20, 40) == 4);
-  CHECK(levels(20.009, 39.991) == 4);
-  CHECK(levels(20.011, 40) == 2);
-  CHECK(levels(20, 39.989) == 2);
-  CHECK(levels(25, 35) == 0);
-  CHECK(std::isnan(figure_at(25, 35, 0.95, unequal(), data).value_psi));
-  CHECK(figure_at(20.011, 40, 0.95, unequal(), data).value_psi == Approx(3.0));
-  CHECK(figure_at(20, 39.989, 0.95, unequal(), data).value_psi == Approx(6.0));
-  CHECK(figure_at(20.009, 20.009, 0.95, unequal(), data).value_psi == Approx(6.0));
+  using Row = std::tuple<double, double, int, double>;  // span, levels in it, the value there
+  const Row rows[] = {{0, 60, 7, 6.0},      {20, 40, 4, 6.0},         {20.009, 39.991, 4, 6.0}, {20.011, 40, 2, 3.0},
+                      {20, 39.989, 2, 6.0}, {20.009, 20.009, 2, 6.0}, {25, 35, 0, kNan}};
+  for (const auto& [low, high, levels, value_psi] : rows) {
+    CAPTURE(low, high);
+    const MpeFigure figure = figure_at(low, high, 0.95, unequal(), data);
+    CHECK(figure.levels == levels);
+    check_alike({figure.value_psi}, {value_psi});
+  }
 }
 
 TEST_CASE("mpe: the smallest share is one taxel, and without uncertainty budgets there is no U") {

@@ -1,10 +1,13 @@
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include <bit>
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <random>
 #include <vector>
 
+#include "analysis/identify/fit_models.h"
 #include "analysis/models/elam.h"
 #include "analysis/models/model_json.h"
 #include "tests/analysis/support/fit_samples.h"
@@ -207,8 +210,6 @@ TEST_CASE("ELAM: curves pass exactly through their split points") {
 
 // ELAM's further pieces and its memory by hand, on a straight loop: 60 psi are 3 V.
 
-using namespace tactbench::analysis;
-
 namespace {
 
 // From (10, 1) to (70, 4), splits halfway.
@@ -383,9 +384,7 @@ TEST_CASE("ELAM splits: more splits fit data that one split cannot, and never fi
     for (History& history : data.histories) history.y = predict(plant, history.x);
     const double one = identify("elam", data, {}).j;
     for (const int splits : {2, 3, 5}) {
-      IdentifyOptions options;
-      options.splits = splits;
-      const ModelFit fit = identify("elam", data, options);
+      const ModelFit fit = identify("elam", data, {.splits = splits});
       INFO("trial " << trial << ", " << splits << " splits, J " << fit.j << ", with one " << one);
       CHECK(fit.j <= one * (1.0 + 1e-9));
       if (splits == 3) CHECK(fit.j < 0.05 * one);
@@ -395,9 +394,7 @@ TEST_CASE("ELAM splits: more splits fit data that one split cannot, and never fi
   const FitData noisy = paper_both(0.03, 0.02);
   const double one = identify("elam", noisy, {}).j;
   for (int splits = 2; splits <= kMaxSplits; ++splits) {
-    IdentifyOptions options;
-    options.splits = splits;
-    const ModelFit fit = identify("elam", noisy, options);
+    const ModelFit fit = identify("elam", noisy, {.splits = splits});
     INFO(splits << " splits");
     CHECK(fit.j <= one * (1.0 + 1e-9));
     const auto again = model_from_json(model_json(*fit.model));
@@ -408,9 +405,7 @@ TEST_CASE("ELAM splits: more splits fit data that one split cannot, and never fi
 
 TEST_CASE("ELAM splits: an invalid number of splits and inconsistent pieces are refused") {
   const FitData data = paper_both();
-  IdentifyOptions options;
-  for (options.splits = 0; options.splits < 10; options.splits += 9)
-    CHECK_THROWS_AS(identify("elam", data, options), std::invalid_argument);
+  for (const int splits : {0, 9}) CHECK_THROWS_AS(identify("elam", data, {.splits = splits}), std::invalid_argument);
   const ElamModel model = model_of(paper_loop(), kPrinted);
   CHECK_THROWS_AS(ElamHysteresis(model, false, {{0.1}, {}, {}, {}}), std::invalid_argument);
   CHECK_THROWS_AS(ElamHysteresis(model, false, {{2.1}, {}, {0.0}, {}}), std::invalid_argument);
@@ -419,4 +414,138 @@ TEST_CASE("ELAM splits: an invalid number of splits and inconsistent pieces are 
   CHECK_THROWS_WITH(model_from_json(json), Catch::Contains("\"splits\""));
   json["pieces"].erase("ascending_low");
   CHECK_THROWS_WITH(model_from_json(json), Catch::Contains("\"ascending_low\""));
+}
+
+namespace {
+
+bool same_bits(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
+
+// Goes along turning points in 7 steps each and says where it came out.
+std::vector<double> walk(ModelState& state, std::initializer_list<double> turns) {
+  std::vector<double> outputs;
+  double x = turns.size() > 0 ? *turns.begin() : 0.0;
+  for (const double turn : turns) {
+    for (int k = 1; k <= 7; ++k) {
+      state.go(x + (turn - x) * k / 7);
+      outputs.push_back(state.output_at(x + (turn - x) * k / 7));
+    }
+    x = turn;
+  }
+  return outputs;
+}
+
+}  // namespace
+
+TEST_CASE("ELAM: in paper mode outputs equal the paper's curves bit for bit") {
+  Random random(8);
+  for (int trial = 0; trial < 100; ++trial) {
+    const ElamHysteresis model(any_model(random.engine));
+    const ElamModel& elam = model.elam();
+    const auto state = model.state();
+    ElamCurve curve(elam, true, elam.x0(), elam.y0());
+    double x = elam.x0(), y = elam.y0();
+    for (int step = 0; step < 60; ++step) {
+      const double to = random(elam.x0(), elam.xu());
+      if ((to > x) != curve.ascending()) curve = ElamCurve(elam, to > x, x, y);
+      x = to;
+      y = curve.output(x);
+      REQUIRE(same_bits(state->output_at(to), y));
+      state->go(to);
+      REQUIRE(same_bits(state->output_at(to), y));
+    }
+  }
+}
+
+TEST_CASE("ELAM memory: an inner loop closes and does not affect later outputs") {
+  const ElamModel paper = model_of(paper_loop(), kPrinted);
+  const ElamHysteresis with(paper, true), without(paper);
+  // 20 to 40 psi cycled inside a rise to 50.
+  const auto state = with.state(), plain = with.state(), forgetful = without.state();
+  walk(*state, {0, 40});
+  const double top = state->output_at(40);
+  walk(*plain, {0, 40});
+  for (int cycle = 0; cycle < 3; ++cycle) {
+    walk(*state, {40, 20});
+    const double bottom = state->output_at(20);
+    walk(*state, {20, 33, 26, 33});
+    CHECK(state->output_at(40) == Approx(top).margin(1e-12));
+    walk(*state, {33, 40});
+    CHECK(state->output_at(40) == Approx(top).margin(1e-12));
+    CHECK(state->output_at(20) == Approx(bottom).margin(1e-12));
+  }
+  for (const double x : {41.0, 45.0, 50.0, 60.0})
+    CHECK(state->output_at(x) == Approx(plain->output_at(x)).margin(1e-12));
+  // The paper's model drifts [A10].
+  walk(*forgetful, {0, 40});
+  const double start = forgetful->output_at(40);
+  for (int cycle = 0; cycle < 3; ++cycle) walk(*forgetful, {40, 20, 40});
+  CHECK(std::abs(forgetful->output_at(40) - start) > 0.01 * 3.49);
+  // On the paper's own sequences there is nothing to remember.
+  const auto a = with.state(), b = without.state();
+  for (const auto* turns : {&kDescendingTurns, &kAscendingTurns}) {
+    for (const double x : levels_of(*turns)) {
+      a->go(x);
+      b->go(x);
+      REQUIRE(same_bits(a->output_at(x), b->output_at(x)));
+    }
+  }
+}
+
+TEST_CASE("ELAM: a measured turning point is where the next branch starts") {
+  const ElamModel paper = model_of(paper_loop(), kPrinted);
+  const ElamHysteresis model(paper);
+  const auto state = model.state();
+  state->go(30.0);
+  state->measured(1.9);
+  CHECK(state->output_at(30.0) == 1.9);
+  CHECK(same_bits(state->output_at(12.0), ElamCurve(paper, false, 30.0, 1.9).output(12.0)));
+  CHECK(same_bits(state->output_at(47.0), ElamCurve(paper, true, 30.0, 1.9).output(47.0)));
+  state->go(59.9);
+  state->measured(3.1);  // an external branch starts at the pattern's end
+  CHECK(same_bits(state->output_at(30.0), ElamCurve(paper, false, 60.0, 3.49).output(30.0)));
+  CHECK_THROWS_AS(state->measured(std::nan("")), std::invalid_argument);
+  CHECK_THROWS_AS(state->go(std::nan("")), std::invalid_argument);
+  state->reset();
+  CHECK(same_bits(state->output_at(30.0), ElamCurve(paper, true, 0.0, paper.y0()).output(30.0)));
+}
+
+TEST_CASE("ELAM JSON: an invalid document is refused with the member named") {
+  const ElamHysteresis model(model_of(paper_loop(), kPrinted));
+  const auto refused = [&](const std::string& path, const nlohmann::ordered_json& value, const std::string& word) {
+    nlohmann::ordered_json json = model_json(model);
+    const nlohmann::ordered_json::json_pointer at(path);
+    if (value.is_null())
+      json[at.parent_pointer()].erase(at.back());
+    else
+      json[at] = value;
+    INFO(path);
+    CHECK_THROWS_WITH(model_from_json(json), Catch::Contains(word));
+  };
+  refused("/x", nullptr, "\"x\"");
+  refused("/ascending", "steep", "\"ascending\"");
+  refused("/descending", nlohmann::ordered_json::array({1.0}), "\"descending\"");
+  refused("/parameters/beta_a", nullptr, "\"beta_a\"");
+  refused("/parameters/alpha_d", "half", "\"alpha_d\"");
+  refused("/options/memory", 1, "\"memory\"");
+  refused("/options/splits", 7, "\"pieces\"");
+  refused("/ascending/30", 9.0, "ends");
+}
+
+TEST_CASE("ELAM: a joint free-run fit has a smaller free-run error than the separate fit") {
+  // A plant that no ELAM is: with the memory that the fit is not told of, and other splits up and down.
+  const ElamHysteresis truth(model_of(paper_loop(), {0.7, 0.95, -0.004, 0.5, 0.4}, true), true);
+  const auto state = truth.state();
+  const auto plant = [&](double x) {
+    state->go(x);
+    return state->output_at(x);
+  };
+  const std::vector<double> way = levels_of({0, 60, 0, 50, 10, 40, 20, 50, 0, 60, 20, 50, 30, 60, 0});
+  const FitData data{{drive("free", way, plant, 0.03, 4)}, truth.elam().ascending, truth.elam().descending};
+  const ModelFit separate = identify("elam", data), joint = identify("elam", data, {.free_run = true});
+  const std::vector<double> y = predict(*separate.model, way);
+  double j = 0.0;
+  for (std::size_t i = 1; i < y.size(); ++i) j += std::pow(y[i] - data.histories[0].y[i], 2);
+  INFO("free-run J " << joint.j << ", separate " << j);
+  CHECK(joint.j < j);
+  CHECK(joint.j > 0.3 * 0.03 * 0.03 * joint.samples);
 }

@@ -7,8 +7,7 @@
 #include <sstream>
 
 #include "analysis/error.h"
-#include "tests/analysis/report/report_example_full.h"
-#include "tests/analysis/report/report_page.h"
+#include "tests/analysis/report/report_example.h"
 
 using namespace tactbench;
 using namespace tactbench::analysis;
@@ -44,7 +43,7 @@ std::vector<std::string> words_of(const pugi::xml_node& node) {
 
 }  // namespace
 
-TEST_CASE("a DCC lists every taxel at every level, and one without a model is NaN in error, U and k") {
+TEST_CASE("DCC: every taxel is listed at every level, and is NaN in error, U and k without a model") {
   const ReportInput input = certified();
   const Certificate made(input);
   const ConditionUncertainty& kind = input.uncertainty->conditions.front();
@@ -130,7 +129,7 @@ TEST_CASE("verdicts of a DCC: the schema's four words, or a reason for a verdict
   CHECK(Certificate(input).count("//dcc:conformity") == 0);
 }
 
-TEST_CASE("as found and as left are two results of a DCC with their states") {
+TEST_CASE("DCC: as found and as left are two results with their states") {
   const Certificate made(certified());
   CHECK(made.count("//dcc:measurementResult[.//dcc:status='beforeAdjustment']//dcc:metaData") == 5);
   CHECK(made.count("//dcc:measurementResult[.//dcc:status='afterAdjustment']//dcc:metaData") == 5);

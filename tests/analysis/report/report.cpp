@@ -9,8 +9,7 @@
 
 #include "analysis/report/report.h"
 #include "analysis/report/report_facts.h"
-#include "tests/analysis/report/report_example_full.h"
-#include "tests/analysis/report/report_page.h"
+#include "tests/analysis/report/report_example.h"
 
 using namespace tactbench;
 using namespace tactbench::analysis;

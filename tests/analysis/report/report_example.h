@@ -2,16 +2,125 @@
 // dead and one saturated taxel. Shapes only resemble a sensor; nothing here is a measurement.
 #pragma once
 
+#include <unistd.h>
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <limits>
+#include <random>
+#include <set>
+#include <sstream>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
 
 #include "analysis/report/report.h"
-#include "tests/analysis/report/report_example_raw.h"
 #include "tests/analysis/support/judged_figures.h"
-#include "tests/analysis/support/sensor_models.h"
+#include "tests/analysis/support/specimen_taxels.h"
 
 namespace tactbench::analysis::example {
+
+// The part of the made-up report input that needs no model: shapes of loops, health, raw behaviour, history,
+// laboratory.
+
+inline constexpr double kFullScaleV = 3.49;
+inline constexpr double kFullPsi = 60.0;
+
+inline double loading(double x) { return kFullScaleV * std::pow(x / kFullPsi, 1.15); }
+inline double unloading(double x) { return kFullScaleV * (1.0 - std::pow(1.0 - x / kFullPsi, 1.8)); }
+
+// About normal, the same on every library: std::normal_distribution is not.
+class Noise {
+ public:
+  double operator()() {
+    double sum = -6.0;
+    for (int i = 0; i < 12; ++i) sum += static_cast<double>(engine_() >> 11) * 0x1.0p-53;
+    return sum;
+  }
+
+ private:
+  std::mt19937_64 engine_{7};
+};
+
+inline Behaviour example_behaviour(const SensorModel& fit, const std::vector<double>& gain, Noise& noise) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  Behaviour b;
+  b.pressure_psi = fit.pressure_psi;
+  b.full_scale_v = kFullScaleV;
+  b.equilibration_psi = 40.0;
+  b.repeats = 5;
+  for (std::size_t i = 0; i < gain.size(); ++i) {
+    const bool counts = fit.taxels[i].status == TaxelStatus::kFitted;
+    if (counts) b.taxels.push_back(static_cast<int>(i));
+    b.gain.push_back(counts ? gain[i] : nan);
+    b.hysteresis_max.push_back(counts ? 0.25 + 0.01 * noise() : nan);
+    b.hysteresis_mean.push_back(counts ? 0.10 + 0.005 * noise() : nan);
+  }
+  for (const auto& [name, taxel, factor] : {std::tuple{"mean", -1, 1.0}, std::tuple{"best", 3, 1.1},
+                                            std::tuple{"median", 100, 0.95}, std::tuple{"worst", 17, 0.8}}) {
+    RawLoop loop{name, taxel, factor * kFullScaleV, 0.25 / factor, 0.10 / factor, {}, {}};
+    for (const double x : b.pressure_psi) {
+      loop.up_v.push_back(factor * loading(x));
+      loop.down_v.push_back(factor * unloading(x));
+    }
+    b.loops.push_back(loop);
+  }
+  for (const double x : b.pressure_psi) b.repeatability.push_back({x, 0.001, 0.0012, 0.003 + 1e-5 * x, 0.0034});
+  b.zero_returns = {{"descending", 5, 0.012, 0.02, 0.05, 17}, {"ascending", 5, -0.004, -0.007, -0.02, 18}};
+  b.creep = {{20, "creep-hold", 40.0, 2.0, 602.0, 2.10, 2.14, 0.0083, 0.0002, 301}};
+  return b;
+}
+
+inline Health example_health(const SensorModel& fit, const std::vector<double>& gain) {
+  Health health;
+  health.rows = health.columns = 16;
+  for (std::size_t i = 0; i < gain.size(); ++i) {
+    health.low_v.push_back(0.001);
+    health.high_v.push_back(0.002 + gain[i] * kFullScaleV);
+    health.noise_v.push_back(i == 50 ? 0.01 : 0.0008);
+    if (fit.taxels[i].status != TaxelStatus::kFitted)
+      health.findings.push_back({static_cast<int>(i), to_string(fit.taxels[i].status), "made up", true});
+    if (i == 50) health.findings.push_back({50, "noisy", "made up, too", false});
+  }
+  health.median_noise_v = 0.0008;
+  health.swaps_assessed = true;
+  health.swaps = {{true, 3, 4, 0.2, 0.97}};
+  return health;
+}
+
+inline RunLog example_history() {
+  RunLog history;
+  history.loaded = true;
+  history.frames = 3310;
+  history.flagged = 3;
+  history.void_frames = 12;
+  history.flags = {{"dwell", 2}, {"retried", 1}};
+  history.events = {{101.0, "attempt", "frame, 1 of 3: the scanner did not answer"},
+                    {200.0, "pause", "running -> paused: asked by a person"},
+                    {300.0, "warning", "the seating is not what it was"}};
+  history.voids = {{"descending", 1, 3, 0, "TB-BRANCH-BROKEN: went back by 0.31 psi"}};
+  history.surroundings = {{"temperature_c", 22.9, 23.2, 4}};
+  history.checks = {{12, 0, "seating", "warning", R"({"findings":[{"text":"row 3 answers weakly"}]})", {}}};
+  history.time_spent = "settling 40 %, dwelling 50 %";
+  history.seating_v = history.earlier_seating_v = std::vector<double>(256, 0.5);
+  return history;
+}
+
+inline Laboratory example_laboratory() {
+  Laboratory lab;
+  lab.laboratory = "Tactile Laboratory";
+  lab.customer = "Robots & Co";
+  lab.instruments = {{"P-22", "D-K 17, C-2024-18", "a laboratory", "2023-05-01", "2024-05-01", "two years old"}};
+  lab.sha256 = std::string(64, 'f');
+  return lab;
+}
 
 // Over the fitted taxels, as the evaluation does.
 inline double std_of(const std::vector<double>& values, const SensorModel& fit) {
@@ -232,4 +341,200 @@ inline ReportInput example_input() {
   return input;
 }
 
+// The invented report input with everything that further runs add: U of a reading, as found, studies, objects; some
+// names contain hostile characters.
+
+inline const std::string kHostile = "</script><img src=x onerror=alert(1)> \" & \xE2\x80\xAE";
+
+inline ContactFigures figures(double force) { return {force, 1.0, -2.0, -2.0 * force, -force, 98.0, 0.5}; }
+
+inline ContactResult contact() {
+  ContactResult out;
+  out.run = 14;
+  out.sequence = kHostile;
+  out.positions = 1;
+  out.repeats = 3;
+  out.full_scale_v = example::kFullScaleV;
+  out.full_scale_psi = example::kFullPsi;
+  for (const bool rising : {true, false}) {
+    for (const double target : {2.0, 6.0}) {
+      if (!rising && target == 6.0) continue;
+      ContactLevel level;
+      level.target_n = target;
+      level.rising = rising;
+      level.frames = 3;
+      level.force_n = target;
+      level.raw = figures(2.0 * target);
+      level.compensated = figures(1.1 * target);
+      level.raw_place_error_mm = level.compensated_place_error_mm = std::numeric_limits<double>::quiet_NaN();
+      level.raw_v.assign(256, 0.1 * target);
+      level.compensated_psi.assign(256, target);
+      level.compensated_psi[37] = std::numeric_limits<double>::quiet_NaN();
+      out.levels.push_back(level);
+    }
+  }
+  out.raw_distance = {0.1, std::numeric_limits<double>::quiet_NaN()};
+  out.compensated_distance = {0.2, std::numeric_limits<double>::quiet_NaN()};
+  return out;
+}
+
+inline ReportInput full_input() {
+  ReportInput input = example::example_input();
+  ReportResults& more = input.more;
+  more.previous = AsFound{kHostile, input.evaluation, 254, input.judgement, kHostile};
+  more.contacts = {contact()};
+  Studies& studies = more.studies;
+  studies.uniformity.not_assessed.clear();
+  studies.uniformity.runs = {12, 15};
+  studies.uniformity.angles_deg = {0, 90};
+  studies.uniformity.pressure_psi = {20.0, 40.0};
+  studies.uniformity.u_psi = {0.1, 0.2};
+  studies.uniformity.residual_psi = {0.01, 0.02};
+  studies.uniformity.chamber_share.assign(256, 0.005);
+  studies.uniformity.chamber_psi.assign(256, 0.0);
+  studies.uniformity.sensor_share.assign(256, -0.01);
+  studies.uniformity.residual_rms_psi = 0.02;
+  studies.uniformity.residual_other_sense_psi = 0.01;
+  studies.remount.not_assessed.clear();
+  studies.remount.runs = {12, 13};
+  studies.remount.pressure_psi = {20.0, 40.0};
+  studies.remount.within_psi = studies.remount.between_psi = studies.remount.mean_between_psi = {0.1, 0.2};
+  studies.remount.taxel_between_psi.assign(256, 0.1);
+  studies.remount.degrees = 1;
+  studies.crosstalk.not_assessed.clear();
+  studies.crosstalk.positions = 25;
+  studies.crosstalk.row = {0.01, 0.001, 0.02, 600};
+  studies.crosstalk.ghost_rows = {{3, 0.01}};
+  studies.crosstalk.distance_pitches = {0.0, 1.0, 2.0, 3.0};
+  studies.crosstalk.along_row_share = studies.crosstalk.along_column_share = {1.0, 0.5, 0.01, 0.01};
+  studies.rate_hold.not_assessed.clear();
+  ErrorSum error;
+  error.add(0.25);
+  studies.rate_hold.runs = {{16, kHostile, error, {{1.0, 2.0, error}, {2.0, 5.0, error}}, {}, 0.1, 0.05}};
+  input.uncertainty.emplace();
+  ConditionUncertainty kind;
+  kind.name = kHostile;
+  kind.median_psi = 0.4;
+  for (const bool up : {true, false})
+    for (const double psi : input.fit.pressure_psi) {
+      if (!up && psi == kFullPsi) continue;
+      LevelUncertainty& level = input.uncertainty->levels.emplace_back();
+      level.pressure_psi = psi;
+      level.up = up;
+      for (int i = 0; i < 256; ++i) {
+        const bool fitted = input.fit.taxels[static_cast<std::size_t>(i)].fitted();
+        level.error_psi.push_back(fitted ? 0.002 * (i - 100) : std::numeric_limits<double>::quiet_NaN());
+        level.expanded_psi.push_back(fitted ? 0.3 + 0.001 * i : std::numeric_limits<double>::quiet_NaN());
+      }
+      kind.pressure_psi.push_back(psi);
+      kind.up.push_back(up);
+      kind.error_psi.insert(kind.error_psi.end(), level.error_psi.begin(), level.error_psi.end());
+      kind.expanded_psi.insert(kind.expanded_psi.end(), level.expanded_psi.begin(), level.expanded_psi.end());
+    }
+  input.uncertainty->conditions = {kind};
+  input.applied = {{kHostile, false, 5, {0.0, 60.0, 120.0}, {0.0, 60.0, 0.0}}};
+  return input;
+}
+
 }  // namespace tactbench::analysis::example
+
+namespace tactbench::analysis {
+
+// Parses a report's page for tests: tags, attributes, xmllint; and its data.
+
+inline std::size_t count(const std::string& text, const std::string& part) {
+  std::size_t n = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + part.size())) ++n;
+  return n;
+}
+
+inline bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+inline nlohmann::json report_json(const ReportInput& input) { return nlohmann::json::parse(render_report(input).json); }
+
+// 0 when xmllint finds the page well-formed; -1 when there is no xmllint.
+inline int xmllint(const std::string& page) {
+  if (std::system("command -v xmllint >/dev/null 2>&1") != 0) return -1;
+  const auto path =
+      std::filesystem::temp_directory_path() / ("tactbench-report-" + std::to_string(::getpid()) + ".html");
+  std::ofstream(path, std::ios::binary) << page;
+  const int status = std::system(("xmllint --noout --nonet '" + path.string() + "'").c_str());
+  std::filesystem::remove(path);
+  return status;
+}
+
+inline void require_well_formed(const std::string& page) {
+  const int status = xmllint(page);
+  if (status < 0) {
+    WARN("xmllint (package libxml2-utils) is not installed: well-formedness not checked");
+    return;
+  }
+  CHECK(status == 0);
+}
+
+// The tags as a parser sees them: text holds no raw '<', the JSON none at all.
+inline std::vector<std::string> tags_of(const std::string& page) {
+  std::vector<std::string> out;
+  for (std::size_t at = page.find('<'); at != std::string::npos; at = page.find('<', at + 1)) {
+    out.push_back(page.substr(at + 1, page.find('>', at) - at - 1));
+  }
+  return out;
+}
+
+// name="value" pairs of a tag; the page writes double quotes only.
+inline std::vector<std::pair<std::string, std::string>> attributes_of(const std::string& tag) {
+  std::vector<std::pair<std::string, std::string>> out;
+  std::size_t at = tag.find(' ');
+  while (at != std::string::npos) {
+    const std::size_t equals = tag.find("=\"", at);
+    if (equals == std::string::npos) break;
+    const std::size_t end = tag.find('"', equals + 2);
+    if (end == std::string::npos) break;
+    out.emplace_back(tag.substr(at + 1, equals - at - 1), tag.substr(equals + 2, end - equals - 2));
+    at = tag.find(' ', end);
+  }
+  return out;
+}
+
+inline std::set<std::string> words_of(const std::string& words) {
+  std::istringstream stream(words);
+  return {std::istream_iterator<std::string>(stream), {}};
+}
+
+// Every figure and table has its title.
+inline void require_titled(const std::string& page) {
+  CHECK(count(page, "<svg ") == count(page, "<svg role=\"img\""));
+  CHECK(count(page, "<svg ") == count(page, "</title>") - 1);
+  CHECK(count(page, "<table") == count(page, "<caption>"));
+}
+
+// Nothing that loads or runs: only elements and attributes that the report is known to need.
+inline void require_inert(const std::string& page) {
+  CHECK(count(page, "<script") == 1);
+  CHECK(count(page, "<script type=\"application/json\" id=\"report-data\">") == 1);
+  CHECK(count(page, "</script") == 1);
+  static const std::set<std::string> elements = words_of(
+      "!DOCTYPE aside html head meta title style body header main footer nav ul li a h1 h2 h3 h4 p div span code br "
+      "table tr thead tbody th td b figcaption figure svg g path text script caption");
+  static const std::set<std::string> attributes = words_of(
+      "lang charset http-equiv content name id class role scope colspan rowspan href aria-label tabindex viewBox width "
+      "height fill stroke stroke-width stroke-linecap stroke-dasharray d transform x y text-anchor type style");
+  for (const std::string& tag : tags_of(page)) {
+    const std::size_t start = tag.front() == '/' ? 1 : 0;
+    const std::string name = tag.substr(start, tag.find_first_of(" /", start) - start);
+    if (!elements.contains(name)) FAIL_CHECK("element " << tag.substr(0, 100));
+    for (const auto& [attribute, value] : attributes_of(tag)) {
+      if (!attributes.contains(attribute)) FAIL_CHECK("attribute " << attribute << " in " << tag.substr(0, 100));
+      if (attribute == "href" && value.front() != '#') FAIL_CHECK("link to " << value);
+      if (value.find("url(") != std::string::npos) FAIL_CHECK("url in " << attribute);
+    }
+  }
+  const std::string style = page.substr(page.find("<style>"), page.find("</style>") - page.find("<style>"));
+  CHECK_FALSE(contains(style, "url("));
+  CHECK_FALSE(contains(style, "@import"));
+  CHECK(contains(page,
+                 "http-equiv=\"Content-Security-Policy\" content=\"default-src &#39;none&#39;; "
+                 "style-src &#39;unsafe-inline&#39;; img-src data:\""));
+}
+
+}  // namespace tactbench::analysis

@@ -3,9 +3,12 @@
 #pragma once
 
 #include <random>
+#include <string>
 
 #include "analysis/identify/elam/elam.h"
 #include "analysis/identify/fit_models.h"
+#include "analysis/identify/sensor_model.h"
+#include "tests/analysis/support/alike.h"
 #include "tests/analysis/support/synthetic.h"
 
 namespace synthetic {
@@ -58,6 +61,23 @@ inline std::vector<TaxelBranch> elam_branches_of(const FitData& data) {
                           {history.x.begin() + branch.first, history.x.begin() + branch.last + 1},
                           {history.y.begin() + branch.first, history.y.begin() + branch.last + 1}});
   return branches;
+}
+
+inline FitOptions fit_by(const std::string& model, const IdentifyOptions& identify = {}, int threads = 0) {
+  FitOptions options;
+  options.model = model;
+  options.identify = identify;
+  options.threads = threads;
+  return options;
+}
+
+// Of a table; what is negative is found from its data.
+inline HistoriesOptions table_options(double turn, double noise = -1.0, const std::vector<std::string>& fitted = {}) {
+  HistoriesOptions options;
+  options.turn = turn;
+  options.noise = noise;
+  options.fitted = fitted;
+  return options;
 }
 
 }  // namespace synthetic

@@ -4,10 +4,12 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "analysis/dataset.h"
-#include "tests/analysis/support/sensor_models.h"
+#include "analysis/statistics/uncertainty/uncertainty.h"
+#include "tests/analysis/support/specimen_taxels.h"
 
 namespace straight_array {
 
@@ -109,5 +111,27 @@ inline Dataset known_loop() {
                       {repeat_of(steps, {{0, 20, 41, 60, 39, 25, 0}, second}),
                        repeat_of(steps, {{0, 20, 41, 60, 39, 27, 0}, second})}}});
 }
+
+// Input of an uncertainty budget in which only scatter counts: taxels that are straight lines, and a reference without
+// a row.
+
+inline ReferenceUncertainty no_reference() {
+  ReferenceUncertainty reference;
+  reference.certificate_missing = reference.drift_missing = reference.resolution_missing = "none";
+  return reference;
+}
+
+// Calibrated by the sequences. A maker looks at what stands here.
+struct StraightBudget {
+  Dataset calibration;
+  SensorModel fit = straight_fit();
+  SweepErrors errors;
+  ReferenceUncertainty reference = no_reference();
+  UncertaintyInputs inputs;
+  explicit StraightBudget(std::vector<SequenceData> sequences) : calibration(dataset_of(std::move(sequences))) {
+    errors = sweep_errors(calibration, fit);
+  }
+  [[nodiscard]] BudgetMaker maker() const { return {calibration, fit, errors, reference, 0.0, inputs, 1}; }
+};
 
 }  // namespace straight_array

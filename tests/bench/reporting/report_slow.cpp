@@ -13,7 +13,7 @@
 #include "analysis/statistics/studies/contact.h"
 #include "bench/reporting/evaluation.h"
 #include "bench/run/recipe_check.h"
-#include "tests/analysis/report/report_page.h"
+#include "tests/analysis/report/report_example.h"
 #include "tests/support/process.h"
 #include "tests/support/run_recipe.h"
 #include "tests/support/small_run.h"

@@ -12,7 +12,9 @@
 #include "analysis/identify/sensor_model.h"
 #include "analysis/models/linearised.h"
 #include "analysis/models/preisach.h"
-#include "tests/analysis/support/dynamic_walk.h"
+#include "tests/analysis/support/alike.h"
+#include "tests/analysis/support/dynamic_runs.h"
+#include "tests/analysis/support/fit_samples.h"
 
 using namespace synthetic;
 
@@ -256,22 +258,6 @@ TEST_CASE("track: lists a run's samples in order, and its span is the highest se
   CHECK(psi[3][0] == Approx(target + (worked - target) * std::exp(-1.0 / 3.0)));
 }
 
-TEST_CASE("elapsed time: time beyond hold and settling is conditioning, the first sample uses its own hold time") {
-  const auto passed = [](double time_s, double held_s, double before_s) {
-    const TimePassed own = time_passed({0.0, 0.0, time_s, held_s}, before_s);
-    return std::vector<double>{own.worked_s, own.step_s};
-  };
-  CHECK(passed(12.0, 2.0, 10.0) == std::vector<double>{0.0, 2.0});
-  CHECK(passed(17.0, 2.0, 10.0) == std::vector<double>{0.0, 7.0});  // five seconds more than held: settling
-  CHECK(passed(17.5, 2.0, 10.0) == std::vector<double>{5.5, 2.0});
-  CHECK(passed(12.0, 30.0, 10.0) == std::vector<double>{0.0, 2.0});
-  CHECK(passed(9.0, 2.0, 10.0) == std::vector<double>{0.0, 0.0});  // a clock that went back
-  CHECK(passed(3.0, 1.0, -1.0) == std::vector<double>{0.0, 1.0});
-  CHECK(passed(1.0, 3.0, -1.0) == std::vector<double>{0.0, 1.0});
-  CHECK(passed(9.0, 3.0, -1.0) == std::vector<double>{6.0, 3.0});
-  CHECK(passed(3.0, 1.0, 0.0) == std::vector<double>{0.0, 3.0});
-}
-
 // A model's lag and creep taken back from runs and tables that its formulas made.
 
 namespace {
@@ -337,11 +323,7 @@ std::vector<double> arrived_of(const Dynamics& d, DynamicsState state, double sh
 }
 
 void check_close(const std::vector<double>& own, const std::vector<double>& by_hand) {
-  REQUIRE(own.size() == by_hand.size());
-  for (std::size_t i = 0; i < own.size(); ++i) {
-    CAPTURE(i);
-    CHECK(own[i] == Approx(by_hand[i]).epsilon(1e-9).margin(1e-9));
-  }
+  check_alike(own, by_hand, 1e-9, 1e-9);
 }
 
 const std::vector<double> kRisesAndFalls{0, 20, 60, 30, 10};
@@ -442,14 +424,7 @@ Dataset passes(double share, double slowest_s, const std::vector<WalkedTaxel>& t
   return walked_run(d, taxels, {{"passes", {{way, 6.0}}}}, 60.0);
 }
 
-FitOptions three_cells() {
-  FitOptions fit;
-  fit.model = "preisach";
-  fit.identify.cells = 3;
-  fit.identify.linearise = true;
-  fit.identify.by_input = true;
-  return fit;
-}
+FitOptions three_cells() { return fit_by("preisach", {.cells = 3, .by_input = true, .linearise = true}); }
 
 }  // namespace
 

@@ -14,9 +14,18 @@
 #include "analysis/statistics/sensor/drift.h"
 #include "analysis/statistics/studies/contact.h"
 #include "tests/analysis/support/dynamic_runs.h"
-#include "tests/analysis/support/dynamic_walk.h"
+#include "tests/analysis/support/fit_samples.h"
 
 using namespace synthetic;
+
+namespace {
+
+// Of Preisach on the linearised output, which knows no time.
+double plain_error(const Dataset& fitted, const Dataset& other) {
+  return evaluate(other, fit_array(fitted, fit_by("preisach", {.linearise = true}))).mean_error_psi;
+}
+
+}  // namespace
 
 TEST_CASE("fit_dynamic: recovers known plants, is stored without loss, and reads another path within 0.25 psi",
           "[dynamic]") {
@@ -47,19 +56,14 @@ TEST_CASE("fit_dynamic: recovers known plants, is stored without loss, and reads
   CHECK(model.validity.hold_s->high > 250.0);
   CHECK(model.validity.hold_s->low < 1.0);
 
-  DynamicFitOptions one_thread;
-  one_thread.threads = 1;
   const std::string text = to_text(model);
-  CHECK(to_text(fit_dynamic(runs.fitted, runs.rate, runs.creep, one_thread)) == text);
+  CHECK(to_text(fit_dynamic(runs.fitted, runs.rate, runs.creep, {.threads = 1})) == text);
   const SensorModel again = document_from_text(text, "m.json");
   CHECK(to_text(again) == text);
 
   // Its stream against Preisach on the linearised output that knows no time, on a way that none of them has seen.
-  FitOptions still;
-  still.model = "preisach";
-  still.identify.linearise = true;
   const double error = evaluate(runs.other, again).mean_error_psi;
-  const double still_error = evaluate(runs.other, fit_array(runs.fitted, still)).mean_error_psi;
+  const double still_error = plain_error(runs.fitted, runs.other);
   INFO(error << " psi, without lag and creep " << still_error);
   CHECK(error < 0.25);
   CHECK(error < 0.5 * still_error);
@@ -158,13 +162,6 @@ Dataset long_run(const DynamicArray& array) {
 }
 
 double total(const Dynamics& d) { return std::accumulate(d.creep_share.begin(), d.creep_share.end(), 0.0); }
-
-double plain_error(const Dataset& fitted, const Dataset& other) {
-  FitOptions plain;
-  plain.model = "preisach";
-  plain.identify.linearise = true;
-  return evaluate(other, fit_array(fitted, plain)).mean_error_psi;
-}
 
 }  // namespace
 
@@ -389,9 +386,7 @@ TEST_CASE("dynamic model of one run: limits intervals to distinct levels, averag
           "[dynamic]") {
   const Dataset run = straight_run(1);
   for (const auto& [cells, intervals] : {std::pair{20, 3U}, {3, 3U}, {2, 2U}}) {
-    DynamicFitOptions options;
-    options.cells = cells;
-    const SensorModel model = fit_dynamic_single_run(run, options);
+    const SensorModel model = fit_dynamic_single_run(run, {.cells = cells});
     REQUIRE(model.taxels.size() == 4);
     CHECK(film_in(model.taxels[0]).intervals() == intervals);
     CHECK_FALSE(in_time(*model.dynamics));

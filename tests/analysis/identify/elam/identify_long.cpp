@@ -1,7 +1,15 @@
 // By command: larger arrays than identify_slow.cpp has, and arrays that nothing was chosen on.
-#include "tests/analysis/identify/elam/exhaustive_comparison.h"
+
+#include "tests/analysis/identify/elam/exhaustive_reference.h"
+
+#include <catch2/catch.hpp>
+
+#include "analysis/identify/fit_models.h"
+#include "tests/analysis/support/gpi_reference.h"
+#include "tests/analysis/support/specimen_taxels.h"
 
 using namespace exhaustive_comparison;
+using namespace synthetic;
 
 // Grid sizes were chosen on the seeds above and others; never on these.
 TEST_CASE("identify_elam: finds the optimum of an exhaustive search on seeds that were not used for tuning") {
@@ -19,4 +27,22 @@ TEST_CASE("identify_elam: finds the optimum of an exhaustive search on seeds tha
 
 TEST_CASE("identify_elam: finds the optimum of an exhaustive search on larger arrays") {
   for (const Kind& kind : kKinds) compare(kind, 4);
+}
+
+// GPI's fits beside an exhaustive search that shares nothing with them but the data
+// (tests/analysis/support/gpi_reference.h): 20 taxels of each of three simulated sensors. Constants of the search were
+// chosen on sensor seeds 1 to 3 and 11 to 13; never on these.
+
+TEST_CASE("GPI: no fit of 20 taxels per seed has a larger J than 200 starts of an independent search") {
+  constexpr std::size_t kTaxels = 20;
+  for (const unsigned seed : {7101U, 7102U, 7103U}) {
+    const std::vector<FitData> taxels = specimen_taxels(seed, kTaxels, 0.0005);
+    const auto prepared = prepare("gpi", taxels.front());
+    for (std::size_t i = 0; i < kTaxels; ++i) {
+      const double own = prepared->fit(taxels[i]).j;
+      const double reference = GpiReference(taxels[i]).least(200, 1000 * seed + static_cast<unsigned>(i));
+      INFO("sensor " << seed << ", taxel " << i << ": J " << own << ", reference " << reference);
+      CHECK(own <= reference * (1.0 + 1e-6));
+    }
+  }
 }

@@ -3,31 +3,17 @@
 
 #include "analysis/identify/elam/elam.h"
 #include "analysis/identify/sensor_model.h"
-#include "tests/analysis/support/synthetic.h"
+#include "tests/analysis/support/fit_samples.h"
 
 using namespace synthetic;
 
 namespace {
 
-// The branches along turning points as the model's formulas give them.
-std::vector<TaxelBranch> branches_from(const ElamModel& model, const std::vector<double>& turns) {
-  std::vector<TaxelBranch> branches;
-  Plant plant(model);
-  for (std::size_t t = 1; t < turns.size(); ++t) {
-    TaxelBranch branch;
-    branch.ascending = turns[t] > turns[t - 1];
-    for (const double pressure : levels_of({turns[t - 1], turns[t]})) {
-      branch.pressure_psi.push_back(pressure);
-      branch.volts.push_back(plant(pressure));
-    }
-    branches.push_back(std::move(branch));
-  }
-  return branches;
-}
-
-std::vector<TaxelBranch> both(std::vector<TaxelBranch> a, const std::vector<TaxelBranch>& b) {
-  a.insert(a.end(), b.begin(), b.end());
-  return a;
+// The branches along each way of turning points as the model's formulas give them.
+std::vector<TaxelBranch> branches_from(const ElamModel& model, const std::vector<std::vector<double>>& ways) {
+  FitData data;
+  for (const std::vector<double>& turns : ways) data.histories.push_back(drive("way", levels_of(turns), Plant(model)));
+  return elam_branches_of(data);
 }
 
 bool same(const ModelTaxel& a, const ModelTaxel& b) {
@@ -36,17 +22,13 @@ bool same(const ModelTaxel& a, const ModelTaxel& b) {
          p.alpha_a1 == q.alpha_a1 && p.beta_a == q.beta_a && a.fit.j == b.fit.j && a.fit.max_error == b.fit.max_error;
 }
 
-Array small_array() {
-  ArrayOptions options;
-  options.rows = options.columns = 4;
-  return Array(options);
-}
+Array small_array() { return Array({.rows = 4, .columns = 4}); }
 
 }  // namespace
 
 TEST_CASE("identify_elam: noiseless data of the paper's taxel return the printed parameters") {
   const ElamModel truth = model_of(paper_loop(), kPrinted);
-  const auto branches = both(branches_from(truth, kDescendingTurns), branches_from(truth, kAscendingTurns));
+  const auto branches = branches_from(truth, {kDescendingTurns, kAscendingTurns});
   const ElamFit fit = identify_elam(truth.ascending, truth.descending, branches);
   INFO("J " << fit.j_v2);
   CHECK(fit.j_v2 < 1e-9);
@@ -61,12 +43,9 @@ TEST_CASE("identify_elam: noiseless data of the paper's taxel return the printed
 
 TEST_CASE("fit_array: the result does not depend on the number of threads") {
   const Dataset data = run(small_array(), {});
-  FitOptions options;
-  options.threads = 1;
-  const SensorModel one = fit_array(data, options);
+  const SensorModel one = fit_array(data, fit_by("elam", {}, 1));
   for (const int threads : {2, 5}) {
-    options.threads = threads;
-    const SensorModel other = fit_array(data, options);
+    const SensorModel other = fit_array(data, fit_by("elam", {}, threads));
     for (std::size_t i = 0; i < one.taxels.size(); ++i) CHECK(same(one.taxels[i], other.taxels[i]));
     CHECK(same(one.mean_taxel(), other.mean_taxel()));
   }
@@ -99,13 +78,9 @@ TEST_CASE("fit_array: dead, stuck, saturated and unfit taxels are marked and lef
   data.at_limit[2] = true;
   data.at_limit[5] = true;
   const SensorModel fit = fit_array(data);
-  CHECK(fit.taxels[0].status == TaxelStatus::kDead);
-  CHECK(fit.taxels[1].status == TaxelStatus::kStuck);
-  CHECK(fit.taxels[2].status == TaxelStatus::kSaturated);
-  CHECK(fit.taxels[3].status == TaxelStatus::kUnfit);
-  CHECK(fit.taxels[4].status == TaxelStatus::kUnfit);
-  CHECK(fit.taxels[5].status == TaxelStatus::kSaturated);
-  for (std::size_t i = 6; i < width; ++i) CHECK(fit.taxels[i].status == TaxelStatus::kFitted);
+  using enum TaxelStatus;
+  const std::vector<TaxelStatus> marked{kDead, kStuck, kSaturated, kUnfit, kUnfit, kSaturated};
+  for (std::size_t i = 0; i < width; ++i) CHECK(fit.taxels[i].status == (i < marked.size() ? marked[i] : kFitted));
   double mean = 0.0;
   for (std::size_t i = 6; i < width; ++i) mean += fit.taxels[i].ascending(30.0) / 10.0;
   CHECK(fit.mean_taxel().ascending(30.0) == Approx(mean).epsilon(1e-9));
@@ -134,8 +109,8 @@ TEST_CASE("identify_elam: duplicate pressures, missing or short branches and an 
   ElamParameters p = kPrinted;
   p.beta_d = 0.97;
   const ElamModel truth = model_of(loop, p);
-  std::vector<TaxelBranch> branches = both(branches_from(truth, {12, 72, 12, 52, 31, 45, 12}),
-                                           branches_from(truth, {12, 72, 22, 72, 12, 42, 30, 66, 33, 72, 12}));
+  std::vector<TaxelBranch> branches =
+      branches_from(truth, {{12, 72, 12, 52, 31, 45, 12}, {12, 72, 22, 72, 12, 42, 30, 66, 33, 72, 12}});
   for (TaxelBranch& branch : branches) {
     const std::size_t middle = branch.volts.size() / 2;
     for (int k = 0; k < 3; ++k) {
@@ -164,24 +139,16 @@ TEST_CASE("fit_array: fits at the measured pressures and on the set-point grid a
   }
 }
 
-// A regulator's own hysteresis is not the sensor's.
-
-// Outputs are moved to the set-point by the measured reference.
+// Outputs are moved to the set-point by the measured reference: a regulator's own hysteresis is not the sensor's.
 TEST_CASE("fit_array: a regulator hysteresis of 0.5 % does not change the fit") {
-  ArrayOptions options;
-  options.rows = 2;
-  options.columns = 4;
-  options.sensor_seed = 31;
-  options.play_share = 0.0;
-  const Array array(options);
-  RunOptions without, with;
-  without.regulator_psi = 0.0;
-  with.regulator_psi = 0.3;          // short of the set-point by it on every way up and on every way down
-  Dataset blind = run(array, with);  // as if nobody had measured where the pressure was
+  const Array array({.rows = 2, .columns = 4, .sensor_seed = 31, .play_share = 0.0});
+  const RunOptions with{.regulator_psi = 0.3};  // short of the set-point by it on every way up and on every way down
+  Dataset blind = run(array, with);             // as if nobody had measured where the pressure was
   for (SequenceData& sequence : blind.sequences)
     for (Repeat& repeat : sequence.repeats)
       for (Sample& sample : repeat.steps) sample.reference_psi = sample.setpoint_psi;
-  const SensorModel still = fit_array(run(array, without)), moved = fit_array(run(array, with)), off = fit_array(blind);
+  const SensorModel still = fit_array(run(array, {.regulator_psi = 0.0})), moved = fit_array(run(array, with)),
+                    off = fit_array(blind);
   const auto loop_error = [&](const SensorModel& fit, std::size_t i) {
     const ModelTaxel &model = fit.taxels[i], &own = still.taxels[i];
     double most = 0.0;

@@ -13,8 +13,8 @@
 #include "analysis/identify/rivals/gpi_lanes.h"
 #include "analysis/identify/rivals/gpi_search.h"
 #include "analysis/identify/rivals/nnls.h"
-#include "tests/analysis/identify/rivals/gpi_walked.h"
 #include "tests/analysis/support/fit_samples.h"
+#include "tests/analysis/support/gpi_reference.h"
 #include "tests/analysis/support/models.h"
 
 using namespace synthetic;
@@ -29,10 +29,7 @@ FitData few_samples(const std::vector<double>& x, const std::vector<double>& y, 
 }
 
 double one_weight(const FitData& data, bool by_input, const std::vector<std::string>& open) {
-  IdentifyOptions options;
-  options.cells = 1;
-  options.by_input = by_input;
-  const ModelFit fit = identify("preisach", data, options);
+  const ModelFit fit = identify("preisach", data, {.cells = 1, .by_input = by_input});
   CHECK(fit.undetermined == open);
   REQUIRE(fit.model->parameters().size() == 1);
   return fit.model->parameters()[0].value;
@@ -95,18 +92,6 @@ TEST_CASE("Preisach: fitting by input weights a sample by the inverse square of 
   const double flat = 1.0 / 0.0036;
   CHECK(one_weight(few_samples({0, 5, 10, 5, 0}, {0, 2, 6, 6, 0}), true, {"w"}) ==
         Approx((middle * (1.0 + 3.0) + flat * 6.0) / (0.5 * middle + flat) / kOneRidge).epsilon(1e-9));
-}
-
-TEST_CASE("non-negative least squares: the result does not depend on the unit of the columns") {
-  for (const double unit : {1e-7, 1e-3, 1e3, 1e7}) {
-    CAPTURE(unit);
-    Eigen::MatrixXd gram(2, 2);
-    gram << 2, 1, 1, 2;
-    gram *= unit;
-    const Eigen::VectorXd x = non_negative_least_squares(gram, Eigen::Vector2d(5.0 * unit, 4.0 * unit));
-    CHECK(x[0] == Approx(2.0));
-    CHECK(x[1] == Approx(1.0));
-  }
 }
 
 TEST_CASE("GPI: unknowns are limited to their bounds and convert to the model's parameters") {

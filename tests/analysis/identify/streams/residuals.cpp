@@ -12,7 +12,7 @@
 #include "analysis/identify/sensor_model.h"
 #include "analysis/models/linearised.h"
 #include "analysis/models/preisach.h"
-#include "tests/analysis/support/creeping_film.h"
+#include "tests/analysis/support/dynamic_runs.h"
 
 using namespace tactbench::analysis;
 

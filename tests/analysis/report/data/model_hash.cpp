@@ -6,7 +6,7 @@
 #include <string>
 
 #include "analysis/report/report_facts.h"
-#include "tests/analysis/support/sensor_models.h"
+#include "tests/analysis/support/specimen_taxels.h"
 
 using namespace tactbench;
 using namespace tactbench::analysis;

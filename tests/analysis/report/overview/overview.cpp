@@ -9,7 +9,6 @@
 
 #include "analysis/report/overview/overview_figures.h"
 #include "tests/analysis/report/report_example.h"
-#include "tests/analysis/report/report_page.h"
 #include "tests/analysis/support/judged_figures.h"
 
 using namespace tactbench;

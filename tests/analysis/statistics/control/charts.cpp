@@ -14,10 +14,10 @@ using namespace tactbench::analysis;
 
 namespace {
 
-// Mean 10, deviation 1.
-const std::vector<double> kEightRuns{9.0, 11.0, 9.0, 11.0, 10.0 - std::sqrt(1.5), 10.0 + std::sqrt(1.5), 10.0, 10.0};
+// Mean 10, sum of squares 7, so that the deviation is 1.
+const std::vector<double> kStartUp{9.0, 11.0, 9.0, 11.0, 10.0 - std::sqrt(1.5), 10.0 + std::sqrt(1.5), 10.0, 10.0};
 
-// The table is drawn again in ewma_table_slow.cpp.
+// The table is drawn again in sensor_slow.cpp.
 double in_sixty(double one_run, int runs) {
   return ewma_probability(student_quantile(1.0 - one_run / 2.0, runs - 1.0), runs);
 }
@@ -36,40 +36,40 @@ TEST_CASE("EWMA chart: table probabilities are interpolated in half decades and 
   CHECK(in_sixty(1e-9, 8) / 1e-9 == Approx(14.89).epsilon(1e-4));
 }
 
-TEST_CASE("EWMA chart: a mean's level is its average in its own unit, gross values alone give no chart") {
-  const ControlChart chart = control_chart("mean_error_psi", kEightRuns, std::vector<double>{12.0, 13.0});
+TEST_CASE("EWMA chart: a mean's level is the average in the mean's unit, gross values alone give no chart") {
+  const ControlChart chart = control_chart("mean_error_psi", kStartUp, std::vector<double>{12.0, 13.0});
   REQUIRE(chart.ewma);
   CHECK((chart.kind == FigureKind::kMean && !chart.logarithmic && !chart.constant));
   CHECK(chart.level == Approx(10.92));  // z of 0.92 deviations of 1
   CHECK(chart.ewma->later == 2);
-  const ControlChart gross = control_chart("mean_error_psi", kEightRuns, std::vector<double>{1000.0});
+  const ControlChart gross = control_chart("mean_error_psi", kStartUp, std::vector<double>{1000.0});
   CHECK_FALSE(gross.ewma);
   CHECK(gross.probability == 1.0);
   CHECK(gross.level == 0.0);
   CHECK(gross.band);
   // A maximum of 0 in the baseline has no logarithm either.
-  std::vector<double> with_zero = kEightRuns;
+  std::vector<double> with_zero = kStartUp;
   with_zero[0] = 0.0;
   CHECK_FALSE(control_chart("max_error_psi", with_zero, std::vector<double>{12.0}).logarithmic);
-  CHECK(control_chart("max_error_psi", kEightRuns, std::vector<double>{12.0}).logarithmic);
+  CHECK(control_chart("max_error_psi", kStartUp, std::vector<double>{12.0}).logarithmic);
   CHECK(control_chart("max_error_psi", with_zero, std::vector<double>{12.0}).kind == FigureKind::kMaximum);
 }
 
 TEST_CASE("EWMA chart: the slope is that of the last 14 runs") {
   const std::vector<double> later{90, 3, 14, 15, 9, 26, 5, 35, 8, 97, 93, 23, 84, 62, 64, 33};
   const auto slope_of = [&](std::size_t last) { return theil_sen_slope(std::span(later).last(last)); };
-  const auto slope = control_chart("mean_error_psi", kEightRuns, later).slope;
+  const auto slope = control_chart("mean_error_psi", kStartUp, later).slope;
   CHECK(slope == slope_of(14));
   CHECK(slope != slope_of(13));
   CHECK(slope != slope_of(15));
-  CHECK(control_chart("mean_error_psi", kEightRuns, std::span(later).first(4)).slope ==
+  CHECK(control_chart("mean_error_psi", kStartUp, std::span(later).first(4)).slope ==
         theil_sen_slope(std::span(later).first(4)));
-  CHECK_FALSE(control_chart("mean_error_psi", kEightRuns, std::span(later).first(3)).slope);
+  CHECK_FALSE(control_chart("mean_error_psi", kStartUp, std::span(later).first(3)).slope);
 }
 
 TEST_CASE("EWMA chart: a deviation below 1e-9 of the mean counts as none") {
   const auto with_deviation = [](double share) {
-    std::vector<double> runs = kEightRuns;
+    std::vector<double> runs = kStartUp;
     for (double& run : runs) run = 1000.0 + 1000.0 * share * (run - 10.0);
     return runs;
   };
@@ -88,25 +88,26 @@ TEST_CASE("EWMA chart: a deviation below 1e-9 of the mean counts as none") {
 // Control bands and slopes against published and exactly computed values, and the promised rate of false alarms.
 
 TEST_CASE("Student quantiles: match the published tables") {
-  CHECK(student_quantile(0.975, 10.0) == Approx(2.228139).epsilon(1e-6));
-  CHECK(student_quantile(0.995, 1.0) == Approx(63.65674).epsilon(1e-6));
-  CHECK(student_quantile(0.025, 4.0) == Approx(-2.776445).epsilon(1e-6));
-  CHECK(student_quantile(0.975, std::numeric_limits<double>::infinity()) == Approx(1.959964).epsilon(1e-6));
-  CHECK(std::isnan(student_quantile(1.0, 4.0)));
-  CHECK(std::isnan(student_quantile(0.5, 0.0)));
-  CHECK(student_two_sided(-2.228139, 10.0) == Approx(0.05).epsilon(1e-6));
-  CHECK(student_two_sided(1.959964, std::numeric_limits<double>::infinity()) == Approx(0.05).epsilon(1e-6));
-  CHECK(student_two_sided(std::numeric_limits<double>::infinity(), 3.0) == 0.0);
-  CHECK(std::isnan(student_two_sided(1.0, 0.0)));
-  // Of one degree of freedom, Cauchy's distribution: 1/2 beyond 1, and the quantile at 3/4 is 1.
-  CHECK(student_two_sided(1.0, 1.0) == Approx(0.5));
-  CHECK(student_quantile(0.75, 1.0) == Approx(1.0));
+  constexpr double kEndless = std::numeric_limits<double>::infinity();
+  const std::pair<double, double> published[] = {
+      {student_quantile(0.975, 10.0), 2.228139},
+      {student_quantile(0.995, 1.0), 63.65674},
+      {student_quantile(0.025, 4.0), -2.776445},
+      {student_quantile(0.975, kEndless), 1.959964},
+      {student_two_sided(-2.228139, 10.0), 0.05},
+      {student_two_sided(1.959964, kEndless), 0.05},
+      // Of one degree of freedom, Cauchy's distribution: 1/2 beyond 1, and the quantile at 3/4 is 1.
+      {student_two_sided(1.0, 1.0), 0.5},
+      {student_quantile(0.75, 1.0), 1.0}};
+  for (const auto& [found, expected] : published) CHECK(found == Approx(expected).epsilon(1e-6));
+  CHECK(student_two_sided(kEndless, 3.0) == 0.0);
   // Of a half and 1e300 degrees of freedom there are some, too, and none of -1 or of no t.
   CHECK(student_two_sided(0.0, 0.5) == 1.0);
   CHECK(student_quantile(0.5, 0.5) == Approx(0.0).margin(1e-12));
-  CHECK(std::isnan(student_two_sided(1.0, -1.0)));
-  CHECK(std::isnan(student_two_sided(std::nan(""), 3.0)));
-  CHECK(std::isnan(student_quantile(0.0, 4.0)));
+  for (const double none :
+       {student_quantile(1.0, 4.0), student_quantile(0.5, 0.0), student_quantile(0.0, 4.0), student_two_sided(1.0, 0.0),
+        student_two_sided(1.0, -1.0), student_two_sided(std::nan(""), 3.0)})
+    CHECK(std::isnan(none));
 }
 
 TEST_CASE("control band: is the prediction interval of a normal sample") {
@@ -147,13 +148,6 @@ TEST_CASE("Theil-Sen slope: is the median of the slopes between any two values")
 }
 
 // The chart of one figure against values computed by hand, and its promised rates of false alarms and of shifts found.
-
-namespace {
-
-// Mean 10, sum of squares 7, so that the deviation is 1.
-const std::array kStartUp = {9.0, 11.0, 9.0, 11.0, 10.0 - std::sqrt(1.5), 10.0 + std::sqrt(1.5), 10.0, 10.0};
-
-}  // namespace
 
 TEST_CASE("EWMA chart: the first three runs match hand-computed values") {
   std::optional<EwmaControlChart> chart = EwmaControlChart::begin(kStartUp);
@@ -271,13 +265,19 @@ TEST_CASE("Benjamini and Hochberg: their published example and the edge cases ar
   const std::vector<bool> reported = discoveries(p);
   CHECK(std::ranges::count(reported, true) == 4);
   CHECK((reported[3] && !reported[4]));
-  CHECK(discoveries(std::array{0.9, 0.04, 0.02}) == std::vector<bool>{false, false, false});
-  CHECK(discoveries(std::array{0.9, 0.033, 0.02}) == std::vector<bool>{false, true, true});  // up to the largest k
-  CHECK(discoveries(std::array{0.05}) == std::vector<bool>{true});
-  CHECK(discoveries(std::array{0.05, 0.05}) == std::vector<bool>{true, true});
-  CHECK(discoveries(std::array{0.025, 0.5}) == std::vector<bool>{true, false});  // 0.05 x 1 / 2
-  CHECK(discoveries(std::array{0.0251, 0.5}) == std::vector<bool>{false, false});
-  CHECK(discoveries(std::array{0.2, 0.1}, 0.2) == std::vector<bool>{true, true});
-  CHECK(discoveries(std::array{0.3, 0.11}, 0.2) == std::vector<bool>{false, false});
+  struct Row {
+    std::vector<double> p;
+    double rate;
+    std::vector<bool> found;
+  };
+  const Row rows[] = {{{0.9, 0.04, 0.02}, 0.05, {false, false, false}},
+                      {{0.9, 0.033, 0.02}, 0.05, {false, true, true}},  // up to the largest k
+                      {{0.05}, 0.05, {true}},
+                      {{0.05, 0.05}, 0.05, {true, true}},
+                      {{0.025, 0.5}, 0.05, {true, false}},  // 0.05 x 1 / 2
+                      {{0.0251, 0.5}, 0.05, {false, false}},
+                      {{0.2, 0.1}, 0.2, {true, true}},
+                      {{0.3, 0.11}, 0.2, {false, false}}};
+  for (const Row& row : rows) CHECK(discoveries(row.p, row.rate) == row.found);
   CHECK(discoveries({}).empty());
 }

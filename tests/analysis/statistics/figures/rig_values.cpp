@@ -1,13 +1,20 @@
-// Every figure of the rig from records made by hand: levels that were held, ramps on the way to them, presses.
+// Every figure of the rig from records made by hand: levels that were held, ramps on the way to them, presses; effects
+// of time: creep, windows of pressure, dwells.
+
 #include <catch2/catch.hpp>
+
 #include <cmath>
 #include <limits>
 #include <map>
 
+#include "analysis/statistics/figures/reading_errors.h"
 #include "analysis/statistics/figures/rig_figures.h"
+#include "analysis/statistics/figures/time_effects.h"
+#include "analysis/statistics/numbers/moments.h"
+#include "tests/analysis/support/straight_array.h"
 
+using namespace straight_array;
 using namespace tactbench;
-using namespace tactbench::analysis;
 
 namespace {
 
@@ -183,4 +190,359 @@ TEST_CASE("press values: a branch without penetration has no stiffness, and the 
   CHECK(f.count("force_relaxation_percent") == 0);
   CHECK(f.count("stage_repeatability_um") == 0);
   CHECK(f.at("force_zero_drift_n") == -0.005);
+}
+
+// Creep of straight taxels in the budget, at each bound and in words: by hand.
+
+namespace {
+
+// A level that is read once, `after_s` after its command.
+Dataset read_once(double after_s, double psi = 40.0) {
+  Repeat repeat;
+  for (const double level : {0.0, psi}) {
+    repeat.steps.push_back({level, level, level, after_s});
+    repeat.volts.insert(repeat.volts.end(), {0, 0, 9});
+  }
+  return dataset_of({{"loop", {repeat}}});
+}
+
+// Frames `step_s` apart at a level, from `from_s` after its command on; the first taxel's outputs are given, the
+// second's rise by half as much of its own output.
+struct HoldOf {
+  double psi = 40.0, from_s = 2.0, step_s = 2.0;
+  std::vector<double> first_v;
+  double before_psi = 0.0, reference_end_psi = 40.0;
+};
+Dataset held_once(const HoldOf& hold) {
+  Repeat repeat;
+  repeat.steps.push_back({hold.before_psi, hold.before_psi, 0.0, 1.0});
+  repeat.volts = {0, 0, 9};
+  const std::size_t n = hold.first_v.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const double reference = i + 5 >= n ? hold.reference_end_psi : hold.psi;
+    repeat.steps.push_back({hold.psi, reference, 100.0 + hold.step_s * static_cast<double>(i), hold.from_s});
+    const double risen = hold.first_v[i] / hold.first_v[0] - 1.0;
+    repeat.volts.insert(repeat.volts.end(), {hold.first_v[i], hold.psi / 10.0 * (1.0 + 0.5 * risen), 9});
+  }
+  return dataset_of({{"creep-hold", {repeat}}});
+}
+
+// 2 V at first, then `end_v` at the last five frames, in between `middle_v`.
+std::vector<double> steps_to(double end_v, std::size_t frames = 20, double middle_v = 2.0) {
+  std::vector<double> volts(frames, middle_v);
+  volts[0] = 2.0;
+  for (std::size_t i = frames - 5; i < frames; ++i) volts[i] = end_v;
+  return volts;
+}
+
+CreepEffect straight_effect(const std::vector<Dataset>& runs, double after_s = 2.0) {
+  return creep_effect_of(read_once(after_s), runs, straight_fit());
+}
+
+}  // namespace
+
+TEST_CASE("creep effect: is the mean of the last five frames over the output at the calibration's time") {
+  std::vector<double> volts = steps_to(2.1);
+  volts[14] = 7.0;  // the sixth from the end does not count
+  const CreepEffect effect = straight_effect({held_once({.first_v = volts})});
+  REQUIRE(effect.assessed());
+  REQUIRE(effect.levels.size() == 1);
+  CHECK(effect.levels[0].share[0] == Approx(0.05));
+  CHECK(effect.levels[0].share[1] == Approx(0.025));
+  CHECK(std::isnan(effect.levels[0].share[2]));
+  CHECK(effect.levels[0].median_share == Approx(0.0375));
+  CHECK((effect.levels[0].from_s == 2.0 && effect.levels[0].to_s == 40.0));
+  CHECK((effect.to_s == 40.0 && effect.read_after_s == 2.0 && !effect.extrapolated_back && !effect.undone));
+  // A fall counts by its size.
+  CHECK(straight_effect({held_once({.first_v = steps_to(1.9)})}).levels[0].share[0] == Approx(0.05));
+}
+
+TEST_CASE("creep effect: is interpolated between frames, and corrected for a reference that moves") {
+  // 2 V at 2 s and 2.2 V from 4 s on: 2.05 V at 2.5 s.
+  const CreepEffect between = straight_effect({held_once({.first_v = steps_to(2.2, 20, 2.2)})}, 2.5);
+  CHECK(between.levels[0].share[0] == Approx(0.15 / 2.05));
+  // The reference ends 0.5 psi higher: 25 mV of the first taxel, 50 mV of the second one.
+  const CreepEffect moved = straight_effect({held_once({.first_v = steps_to(2.1), .reference_end_psi = 40.5})});
+  CHECK(moved.levels[0].share[0] == Approx(0.075 / 2.0));
+  CHECK(moved.levels[0].share[1] == Approx(0.05 / 4.0));
+}
+
+TEST_CASE("creep effect: a hold must last twice the dwell, start before half its end, and be in the models' range") {
+  // Twenty frames from 2 s to 40 s.
+  CHECK(straight_effect({held_once({.first_v = steps_to(2.1)})}, 20.0).assessed());
+  CHECK_FALSE(straight_effect({held_once({.first_v = steps_to(2.1)})}, 20.1).not_assessed.empty());
+  // From 38 s to 76 s, and from 39 s to 77 s.
+  CHECK(straight_effect({held_once({.from_s = 38.0, .first_v = steps_to(2.1)})}).assessed());
+  CHECK_FALSE(straight_effect({held_once({.from_s = 39.0, .first_v = steps_to(2.1)})}).assessed());
+  const auto at = [](double psi) {
+    return straight_effect({held_once({.psi = psi, .first_v = steps_to(2.1), .reference_end_psi = psi})}).assessed();
+  };
+  CHECK(at(60.0));
+  CHECK(at(60.0 + 5e-7));
+  CHECK_FALSE(at(60.0 + 2e-6));
+  // A late one is carried back along the logarithm: of 4 to 42 s to 2 to 42 s.
+  const CreepEffect late = straight_effect({held_once({.from_s = 4.0, .first_v = steps_to(2.1)})});
+  CHECK(late.extrapolated_back);
+  CHECK(late.levels[0].share[0] == Approx(0.05 * std::log(21.0) / std::log(10.5)));
+}
+
+TEST_CASE("creep effect: two holds of one level and branch give the larger share, the later start and earlier end") {
+  const Dataset long_one = held_once({.first_v = steps_to(2.1, 30)}),
+                later = held_once({.from_s = 3.0, .first_v = steps_to(2.2)});
+  const CreepEffect both = straight_effect({long_one, later});
+  REQUIRE(both.levels.size() == 1);
+  CHECK(both.levels[0].share[0] == Approx(0.1 * std::log(20.5) / std::log(41.0 / 3.0)));
+  CHECK((both.levels[0].from_s == 3.0 && both.levels[0].to_s == 41.0));
+  CHECK(both.to_s == 41.0);
+  // From above it is another branch; levels stand by branch, then by pressure.
+  const CreepEffect branches =
+      straight_effect({held_once({.first_v = steps_to(2.2), .before_psi = 60.0}), long_one,
+                       held_once({.psi = 20.0, .first_v = steps_to(2.1), .reference_end_psi = 20.0})});
+  REQUIRE(branches.levels.size() == 3);
+  CHECK((branches.levels[0].up && branches.levels[0].pressure_psi == 20.0));
+  CHECK((branches.levels[1].up && branches.levels[1].pressure_psi == 40.0));
+  CHECK((!branches.levels[2].up && branches.levels[2].pressure_psi == 40.0));
+  CHECK_THAT(branches.display_text(), Catch::Contains("40.0 psi"));
+}
+
+TEST_CASE("creep effect: over several levels the earliest end and the latest start count") {
+  const Dataset short_one = held_once({.first_v = steps_to(2.1)}),
+                long_one = held_once({.psi = 20.0, .first_v = steps_to(2.1, 30), .reference_end_psi = 20.0}),
+                late = held_once({.psi = 30.0, .from_s = 3.0, .first_v = steps_to(2.1), .reference_end_psi = 30.0});
+  for (const auto& runs : {std::vector{short_one, long_one}, std::vector{long_one, short_one}}) {
+    const CreepEffect effect = straight_effect(runs);
+    CHECK(effect.levels.size() == 2);
+    CHECK(effect.to_s == 40.0);
+    CHECK_FALSE(effect.extrapolated_back);
+  }
+  CHECK(straight_effect({short_one, late}).extrapolated_back);
+  CHECK(straight_effect({late, short_one}).extrapolated_back);
+}
+
+TEST_CASE("creep share: is linear between held levels, constant beyond, and from the other branch if missing") {
+  CreepEffect effect;
+  CHECK(effect.share(0, 30, true) == 0.0);
+  effect.levels = {{.sequence = "hold", .pressure_psi = 20, .up = true, .share = {0.125, kNan}},
+                   {.sequence = "hold", .pressure_psi = 40, .up = true, .share = {0.375, 0.5}}};
+  struct Row {
+    std::size_t taxel;
+    double psi;
+    bool up;
+    double share;
+  };
+  const Row upward[] = {{0, 10, true, 0.125}, {0, 20, true, 0.125},   {0, 25, true, 0.1875}, {0, 40, true, 0.375},
+                        {0, 50, true, 0.375}, {0, 25, false, 0.1875}, {1, 25, true, 0.5}};
+  for (const auto& [taxel, psi, up, share] : upward) {
+    CAPTURE(taxel, psi, up);
+    CHECK(effect.share(taxel, psi, up) == share);
+  }
+  effect.levels.push_back({.sequence = "hold", .pressure_psi = 30, .up = false, .share = {0.75, kNan}});
+  CHECK(effect.share(0, 25, false) == 0.75);
+  CHECK(effect.share(0, 25, true) == 0.1875);
+  CHECK(effect.share(1, 25, false) == 0.0);
+}
+
+TEST_CASE("creep effect: the calibration's dwell is from sequences without holds, above 0.5 psi, if stated") {
+  Dataset calibration = read_once(3.0);
+  const Dataset hold = held_once({.from_s = 9.0, .first_v = steps_to(2.1)});
+  calibration.sequences.push_back(hold.sequences.front());
+  const std::vector<Dataset> runs{held_once({.first_v = steps_to(2.1)})};
+  CHECK(creep_effect_of(calibration, runs, straight_fit()).read_after_s == 3.0);
+  CHECK(straight_effect(runs, 3.0).read_after_s == 3.0);
+  Dataset low = read_once(3.0, 0.5);
+  CHECK_FALSE(creep_effect_of(low, runs, straight_fit()).not_assessed.empty());
+  low = read_once(3.0, 0.51);
+  CHECK(creep_effect_of(low, runs, straight_fit()).read_after_s == 3.0);
+  // No hold, holds of too few frames, and those of a run that does not tell its times.
+  for (const std::size_t frames : {2U, 3U, 19U})
+    CHECK_FALSE(straight_effect({held_once({.first_v = std::vector<double>(frames, 2.0)})}).assessed());
+  CHECK(straight_effect({}).display_text().empty());
+  const CreepEffect timeless = straight_effect(runs, 0.0);
+  CHECK((!timeless.assessed() && !timeless.not_assessed.empty()));
+  Dataset other = runs.front();
+  other.sensor_serial = "S2";
+  CHECK_THROWS_AS(straight_effect({other}), AnalysisError);
+}
+
+// Errors over histories and between dwell times, window by window, on straight taxels: by hand.
+
+namespace {
+
+const WindowErrors& window_of(const std::vector<WindowErrors>& windows, double pressure, bool up) {
+  for (const WindowErrors& window : windows)
+    if (window.pressure_psi == pressure && window.up == up) return window;
+  throw std::runtime_error("no such window");
+}
+
+FrameHistory whole(const FrameErrors& run) {
+  FrameHistory history{&run, {}};
+  for (std::size_t i = 0; i < run.frames.size(); ++i) history.frames.push_back(i);
+  return history;
+}
+
+std::vector<WindowErrors> pooled_of(const FrameErrors& one, const LevelCorrections& corrections = {}) {
+  const FrameHistory history = whole(one);
+  return pooled_errors({&history, 1}, straight_fit(), corrections);
+}
+
+// Full up, to 36 psi down, to 44 up and back to 0 down. The last frame but one at 30 psi is in no window.
+const std::vector<double> kWandering{0, 20, 40, 60, 36, 44, 30, 0};
+
+}  // namespace
+
+TEST_CASE("frame errors: each frame is listed in time order with branch, direction and whether it is a full sweep") {
+  const Dataset data =
+      dataset_of({erring_way("a", kWandering, {{0, 1, 2, -3, 4, 5, 6, 1}}), erring_way("b", {0, 20, 0}, {{0, 7, 0}})});
+  const FrameErrors errors = frame_errors(data, straight_fit(), 1);
+  CHECK(errors.run == 2);
+  REQUIRE(errors.frames.size() == 11);
+  std::string shape;
+  for (const FrameErrors::Frame& frame : errors.frames)
+    shape += std::to_string(frame.branch) + (frame.up ? (frame.full ? "U " : "u ") : (frame.full ? "D " : "d "));
+  CHECK(shape == "0U 0U 0U 0U 1d 2u 3d 3d 0u 0u 1d ");
+  CHECK((errors.frames[9].sequence == 1 && errors.frames[9].step == 1 && errors.frames[9].setpoint_psi == 20.0));
+  CHECK(errors.error_psi[3 * 4] == Approx(4.0));
+  CHECK(errors.error_psi[3 * 5 + 1] == Approx(2.5));
+  CHECK(errors.error_psi[3 * 9] == Approx(7.0));
+  CHECK(std::isnan(errors.error_psi[2]));
+}
+
+TEST_CASE("error windows: cover 4 psi to each side including the edge, with frame counts and mean squares") {
+  const FrameErrors all =
+      frame_errors(dataset_of({erring_way("a", {0, 15.9, 16, 24, 24.1, 60}, {{0, 9, 1, 3, 9, 0}, {0, 9, 5, 3, 9, 0}})}),
+                   straight_fit(), 1);
+  CHECK(all.frames.size() == 2 * 6);
+  const std::vector<WindowErrors> errors = pooled_of(all);
+  REQUIRE(errors.size() == 8);
+  CHECK(has_any_branch(errors));
+  const WindowErrors& twenty = window_of(errors, 20, true);
+  CHECK(twenty.frames == 4.0);    // 15.9 and 24.1 are in no window
+  CHECK(twenty.branches == 1.0);  // the repeats go the same way
+  CHECK(twenty.square_psi[0] == Approx((1.0 + 9.0 + 25.0 + 9.0) / 4));
+  CHECK(twenty.square_psi[1] == Approx(11.0 / 4));
+  CHECK(std::isnan(twenty.square_psi[2]));
+  // The two taxels' mean errs by 3/4 of the first.
+  CHECK(twenty.common_square_psi == Approx(11.0 * 0.5625));
+  const WindowErrors& down = window_of(errors, 20, false);
+  CHECK((down.frames == 0.0 && down.branches == 0.0));
+  CHECK((std::isnan(down.square_psi[0]) && std::isnan(down.common_square_psi)));
+  CHECK_FALSE(has_any_branch(pooled_errors({}, straight_fit())));
+}
+
+TEST_CASE("error windows: branches, sequences and runs add up, one run can be left out, errors can be corrected") {
+  const Dataset data = dataset_of(
+      {erring_way("a", {0, 20, 40, 20, 40, 0}, {{0, 1, 2, 1, 3, 0}}), erring_way("b", {0, 20, 0}, {{0, 5, 0}})});
+  const FrameErrors run = frame_errors(data, straight_fit(), 1);
+  const WindowErrors once = window_of(pooled_of(run), 20, true);
+  CHECK((once.frames == 2.0 && once.branches == 2.0));  // the ways of a and of b
+  const WindowErrors twice = window_of(pooled_of(run), 40, true);
+  CHECK((twice.frames == 2.0 && twice.branches == 2.0));  // both of a
+  const FrameErrors second = run;
+  const std::vector<FrameHistory> histories{whole(run), whole(second)};
+  const std::vector<WindowErrors> both = pooled_errors(histories, straight_fit());
+  CHECK((window_of(both, 20, true).frames == 4.0 && window_of(both, 20, true).branches == 4.0));
+  CHECK(window_of(pooled_errors(histories, straight_fit(), {}, 0), 20, true).frames == 2.0);
+  // 0.5 psi less at 20 psi up of the first taxel: errors of 0.5 and 4.5.
+  LevelCorrections corrections(2 * 4 * 3, 0.0);
+  corrections[1 * 3] = 0.5;
+  const WindowErrors less = window_of(pooled_of(run, corrections), 20, true);
+  CHECK(less.square_psi[0] == Approx((0.25 + 20.25) / 2));
+  CHECK(less.square_psi[1] == Approx((0.25 + 6.25) / 2));
+}
+
+TEST_CASE("corrections: are linear between levels of one direction, constant beyond, and 0 if there is none") {
+  const SensorModel fit = straight_fit();
+  CHECK(correction_at({}, fit, 0, 30.0, true) == 0.0);
+  // Of the first and the second taxel at 0, 20, 40 and 60 psi, up and then down.
+  LevelCorrections corrections{1, 10, 0, 2, 20, 0, 6, 60, 0, -2, kNan, 0, -1, 0, 0, -5, 0, 0, -7, 0, 0, -9, 0, 0};
+  struct Row {
+    double psi;
+    bool up;
+    std::size_t taxel;
+    double correction;
+  };
+  const Row rows[] = {{-3, true, 0, 1},   {0, true, 0, 1},   {5, true, 0, 1.25}, {20, true, 0, 2},   {30, true, 0, 4},
+                      {55, true, 0, 0},   {60, true, 0, -2}, {61, true, 0, -2},  {kNan, true, 0, 1}, {5, false, 0, -2},
+                      {61, false, 0, -9}, {30, true, 1, 40}, {50, true, 1, 30},  {61, true, 1, 0}};
+  for (const auto& [psi, up, taxel, correction] : rows) {  // 50 psi of the second: half way to one that is not known
+    CAPTURE(psi, up, taxel);
+    CHECK(correction_at(corrections, fit, taxel, psi, up) == correction);
+  }
+}
+
+namespace {
+
+const std::vector<double> kPacedLoop{0, 16, 20, 24, 60, 40, 0};
+
+DwellEffect dwell_of(const Dataset& paced, double usual_s) {
+  const Dataset calibration = dataset_of({erring_way("loop", {0, 20, 60}, {{0, 0, 0}}, {usual_s})});
+  const Dataset* runs[] = {&paced};
+  return dwell_effect_of(calibration, runs, straight_fit(), 1);
+}
+
+Dataset paced_at_dwells(const std::vector<double>& dwell_s) {
+  std::vector<std::vector<double>> errors(dwell_s.size(), std::vector<double>(7, 0.0));
+  return dataset_of({erring_way("rate", kPacedLoop, errors, dwell_s)});
+}
+
+}  // namespace
+
+TEST_CASE("dwell effect: is the largest mean square of the repeats against the one with the nearest dwell") {
+  // Dwell times of 1, 3 and 8 s; the calibration's 2 s are nearer to 3 s by factor. Against that the repeats differ by
+  // (1, 2, 3) and (-2, -2, 0) psi at 16, 20, 24 psi upward: mean squares 14/3 and 8/3; at 40 psi downward by 0 and 1.
+  const Dataset paced = dataset_of({erring_way(
+      "rate", kPacedLoop, {{0, 1.5, 2.5, 3.5, 0, 0, 0}, {0, 0.5, 0.5, 0.5, 0, 0, 0}, {0, -1.5, -1.5, 0.5, 0, 1, 0}},
+      {1, 3, 8})});
+  const DwellEffect effect = dwell_of(paced, 2.0);
+  REQUIRE(effect.assessed());
+  CHECK(effect.run == 2);
+  CHECK(effect.low_s == 1.0);
+  CHECK(effect.high_s == 8.0);
+  REQUIRE(effect.square_psi.size() == 2 * 4 * 3);
+  const auto square = [&](std::size_t level, bool up, std::size_t taxel) {
+    return effect.square_psi[((up ? 0 : 4) + level) * 3 + taxel];
+  };
+  CHECK(square(1, true, 0) == Approx(14.0 / 3));
+  CHECK(square(1, true, 1) == Approx(14.0 / 12));
+  CHECK(std::isnan(square(1, true, 2)));
+  CHECK(square(3, true, 0) == Approx(0.0).margin(1e-12));
+  CHECK(square(2, false, 0) == Approx(1.0));
+  CHECK(std::isnan(square(2, true, 0)));   // no step within 4 psi of 40 psi on the way up
+  CHECK(std::isnan(square(1, false, 0)));  // nor of 20 psi on the way down
+  // 1.7 s are 1.7 times as long as 1 s and 1.76 times as short as 3 s, 5 s 1.6 and 1.67 times as 8 s and 3 s: the first
+  // and the last repeat lie furthest apart.
+  for (const auto& [usual_s, largest] : {std::pair{1.7, 34.0}, {1.8, 14.0}, {4.8, 14.0}, {5.0, 34.0}})
+    CHECK(dwell_of(paced, usual_s).square_psi[3] == Approx(largest / 3));
+}
+
+TEST_CASE("dwell effect: dwells must differ by a factor of two, and each of at least two repeats must state one") {
+  struct Row {
+    std::vector<double> dwell_s;
+    double usual_s;
+    bool assessed;
+  };
+  const Row rows[] = {
+      {{1, 2}, 1, true}, {{1, 1.99}, 1, false}, {{4}, 1, false}, {{1, 4, 0}, 1, false}, {{1, 4}, 0, false}};
+  for (const Row& row : rows) CHECK(dwell_of(paced_at_dwells(row.dwell_s), row.usual_s).assessed() == row.assessed);
+  CHECK_FALSE(dwell_of(paced_at_dwells({4}), 1.0).not_assessed.empty());
+  // The first run, and in it the first sequence, that tells.
+  Dataset first = paced_at_dwells({1, 1}), second = paced_at_dwells({1, 4}), third = paced_at_dwells({1, 9});
+  second.sequences.insert(second.sequences.begin(), first.sequences.front());
+  second.run = 8;
+  const Dataset* runs[] = {&first, &second, &third};
+  const DwellEffect effect = dwell_effect_of(second, runs, straight_fit(), 1);
+  CHECK(effect.run == 8);
+  CHECK(effect.high_s == 4.0);
+}
+
+TEST_CASE("median dwell: is the median over repeats of their medians, above 0.5 psi, where stated") {
+  Dataset data = dataset_of({erring_way("a", {0, 0.5, 0.51, 20, 40}, {{0, 0, 0, 0, 0}}, {1})});
+  std::vector<Sample>& steps = data.sequences[0].repeats[0].steps;
+  for (std::size_t i = 0; i < 5; ++i) steps[i].held_s = 100.0 / static_cast<double>(i + 1);  // 100 50 33.3 25 20
+  CHECK(median_dwell_s(data) == Approx(25.0));
+  steps[4].held_s = 0.0;
+  CHECK(median_dwell_s(data) == Approx((100.0 / 3 + 25.0) / 2));
+  data.sequences.push_back(erring_way("b", {20, 40}, {{0, 0}, {0, 0}}, {7, 9}));
+  CHECK(median_dwell_s(data) == 9.0);  // of 29.2, 7 and 9
+  CHECK(std::isnan(median_dwell_s(dataset_of({erring_way("c", {0, 0.5}, {{0, 0}}, {3})}))));
 }

@@ -118,12 +118,8 @@ TEST_CASE("uniformity: without a rotation nothing can be separated") {
   CHECK_FALSE(Uniformity().assessed());
 }
 
-TEST_CASE("mounts: those that differ less than their own sweeps count as equal") {
-  SweepEstimates estimates;
-  estimates.pressure_psi = {10.0};
-  estimates.sweeps = 2;
-  estimates.taxels = 1;
-  estimates.psi = {9.0, 11.0};
+TEST_CASE("mounts: those that differ less than the sweeps of one mount count as equal") {
+  const SweepEstimates estimates{.pressure_psi = {10.0}, .sweeps = 2, .taxels = 1, .psi = {9.0, 11.0}};
   const std::vector<MountedRun> mounts{{1, estimates}, {2, estimates}};
   CHECK(remount_of(mounts).between_psi[0] == 0.0);
   CHECK_FALSE(remount_of(std::span(mounts).first(1)).assessed());
@@ -137,12 +133,7 @@ namespace {
 
 // Estimates of one mount: levels x sweeps x taxels.
 MountedRun mount_with(std::int64_t run, std::vector<double> levels, int sweeps, int taxels, std::vector<double> psi) {
-  MountedRun mount{run, {}};
-  mount.estimates.pressure_psi = std::move(levels);
-  mount.estimates.sweeps = sweeps;
-  mount.estimates.taxels = taxels;
-  mount.estimates.psi = std::move(psi);
-  return mount;
+  return {run, {std::move(levels), sweeps, taxels, std::move(psi)}};
 }
 
 }  // namespace
@@ -369,9 +360,7 @@ Crosstalk crosstalk_on(const std::vector<PrintShares>& shares) {
 TEST_CASE("crosstalk: taxels from a tenth of the peak on define the centre of the print") {
   // A neighbour of 3/32 counts for nothing; one of 1/8 pulls the centre by 1/9 of a pitch: the column two to the left
   // is then beyond the reach, and the one to the left no loaded one any more.
-  PrintShares below, above;
-  below.right = 0.09375;
-  above.right = 0.125;
+  const PrintShares below{.right = 0.09375}, above{.right = 0.125};
   const Crosstalk still = crosstalk_on({below, below, below, below}),
                   pulled = crosstalk_on({above, above, above, above});
   CHECK(still.row.samples == 4 * 3 * (17 - 5));
@@ -384,8 +373,7 @@ TEST_CASE("crosstalk: taxels from a tenth of the peak on define the centre of th
 TEST_CASE("crosstalk: the centre of the print is weighted by the shares in both directions") {
   // 1 and 0.5 at one pitch down and to the right: the centre is a third of a pitch off. Rows and columns at -1/3 and
   // +2/3 are loaded; -4/3 to +5/3 are within reach.
-  PrintShares two;
-  two.corner = 0.5;
+  const PrintShares two{.corner = 0.5};
   const Crosstalk c = crosstalk_on({two, two, two, two});
   CHECK(c.row.samples == 4 * 2 * (17 - 4));
   CHECK(c.column.samples == 4 * 2 * (17 - 4));
@@ -398,9 +386,7 @@ TEST_CASE("crosstalk: the centre of the print is weighted by the shares in both 
 }
 
 TEST_CASE("crosstalk: a peak below 50 mV does not count as a press, and four positions are needed") {
-  PrintShares full, weak, enough;
-  weak.peak_v = 0.049;
-  enough.peak_v = 0.051;
+  const PrintShares full, weak{.peak_v = 0.049}, enough{.peak_v = 0.051};
   CHECK_FALSE(crosstalk_on({full, full, full, weak}).assessed());
   CHECK_FALSE(crosstalk_on({full, full, full, weak}).not_assessed.empty());
   CHECK(crosstalk_on({full, full, full, enough}).positions == 4);
@@ -423,9 +409,7 @@ TEST_CASE("crosstalk: the uncertainty of a zone's share is that of the mean over
 }
 
 TEST_CASE("crosstalk: a ghost line must exceed the rest by 0.5 %") {
-  PrintShares below, above;
-  below.row = below.column = 0.0049;
-  above.row = above.column = 0.0051;
+  const PrintShares below{.row = 0.0049, .column = 0.0049}, above{.row = 0.0051, .column = 0.0051};
   const Crosstalk none = crosstalk_on({below, below, below, below});
   CHECK(none.ghost_rows.empty());
   CHECK(none.ghost_columns.empty());
@@ -473,11 +457,7 @@ TEST_CASE("crosstalk: the scatter of a ghost line over its positions counts") {
 TEST_CASE("crosstalk: a zone without taxels has no result, and its lines are not ghost lines") {
   // Five columns: all of a print's rows lie within its reach along them.
   std::vector<PointFrame> frames;
-  for (int i = 0; i < 4; ++i) {
-    PrintShares own;
-    own.column = 0.004;
-    frames.push_back(small_print(i, 2 + 4 * i, 2, own, kMap, 5));
-  }
+  for (int i = 0; i < 4; ++i) frames.push_back(small_print(i, 2 + 4 * i, 2, {.column = 0.004}, kMap, 5));
   // Each taxel of the middle columns is at rest under none of the prints but its own rows': the quartile is the second.
   const Crosstalk c = crosstalk_of(7, frames, kMap, 5);
   REQUIRE(c.assessed());
@@ -490,12 +470,8 @@ TEST_CASE("crosstalk: a zone without taxels has no result, and its lines are not
 
 TEST_CASE("crosstalk: a non-square array has distances up to its longer side, NaN where there is none") {
   std::vector<PointFrame> frames;
-  for (int i = 0; i < 4; ++i) {
-    PrintShares own;
-    own.row = 0.004;
-    own.column = 0.002;
-    frames.push_back(small_print(i, i % 2 == 0 ? 2 : 6, 2 + 4 * i, own, 9, kMap));
-  }
+  for (int i = 0; i < 4; ++i)
+    frames.push_back(small_print(i, i % 2 == 0 ? 2 : 6, 2 + 4 * i, {.row = 0.004, .column = 0.002}, 9, kMap));
   const Crosstalk c = crosstalk_of(7, frames, 9, kMap);
   REQUIRE(c.assessed());
   REQUIRE(c.distance_pitches.size() == 15);  // from column 2 to the last of 17

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "analysis/statistics/numbers/moments.h"
-#include "tests/analysis/support/straight_budget.h"
+#include "tests/analysis/support/straight_array.h"
 #include "tests/analysis/support/uncertainty_example.h"
 
 using namespace tactbench;
@@ -14,14 +14,16 @@ using uncertainty_example::row_of;
 
 namespace {
 
-constexpr std::size_t kLowestUp = 0, kFortyUp = 2, kHighestUp = 3, kFortyDown = 6;
+// Of the levels 0, 20, 40, 60 psi up, then down.
+constexpr std::size_t kLowestUp = 0, kTwentyUp = 1, kFortyUp = 2, kHighestUp = 3, kFortyDown = 6;
+const std::vector<double> kUpAndDown{0, 20, 40, 60, 40, 20, 0};
 
 // Two repeats up and down that read the reference exactly, by a scanner of `scans` scans per frame.
 StraightBudget exact_budget(int scans = 1) {
-  const std::vector<double> psi{0, 20, 40, 60, 40, 20, 0};
   std::vector<Sample> steps;
-  for (const double level : psi) steps.push_back({level, level, 0.0, 1.0});
-  StraightBudget made({{"loop", {repeat_of(steps, {psi, psi}), repeat_of(steps, {psi, psi})}}});
+  for (const double level : kUpAndDown) steps.push_back({level, level, 0.0, 1.0});
+  const Repeat repeat = repeat_of(steps, {kUpAndDown, kUpAndDown});
+  StraightBudget made({{"loop", {repeat, repeat}}});
   made.calibration.scans = scans;
   made.errors.repeats_with_zero = 0;
   return made;
@@ -88,9 +90,7 @@ TEST_CASE("zero return row: combines the mean return with its scatter, less the 
 
 TEST_CASE("creep row: half of the creep is a known error, positive up and negative down") {
   StraightBudget made = exact_budget();
-  HeldLevel held;
-  held.pressure_psi = 40.0;
-  held.share = {0.1, 0.2, kNan};
+  const HeldLevel held{.sequence = "hold", .pressure_psi = 40.0, .share = {0.1, 0.2, kNan}};
   made.inputs.creep.levels = {held};
   made.inputs.creep.not_assessed.clear();
   const BudgetMaker maker = made.maker();
@@ -123,7 +123,7 @@ TEST_CASE("temperature row: is rectangular with the coefficient times half the r
   CHECK(row_of(made.maker().budget(0, kLowestUp), UncertaintySource::kTemperature)->width == Approx(0.002));
 }
 
-TEST_CASE("study rows: add psi and share, as a common part or as a taxel's own") {
+TEST_CASE("study rows: add psi and share, as a part common to all taxels or of each taxel") {
   StraightBudget made = exact_budget();
   made.inputs.uniformity = GivenUncertainty{0.3, 0.01, 27.0, "turned"};
   made.inputs.mounting = GivenUncertainty{0.0, 0.02, 3.0, "mounts"};
@@ -200,7 +200,7 @@ TEST_CASE("budget: each source that a bare run does not provide is reported as m
   CHECK(made.maker().missing()[static_cast<std::size_t>(UncertaintySource::kConditioning)].empty());
 }
 
-TEST_CASE("U of an array: common parts count whole, own parts over the number, the centre by own parts alone") {
+TEST_CASE("U of an array: common parts count in full, taxels' parts over their number, the centre by these alone") {
   StraightBudget made = exact_budget();
   made.inputs.mounting = GivenUncertainty{0.3, 0.0, kInfiniteDof, "five mounts"};
   made.inputs.mounting_per_taxel = GivenUncertainty{0.4, 0.0, kInfiniteDof, "five mounts"};
@@ -251,10 +251,6 @@ TEST_CASE("U of a column array: the centre moves along it, the median is the low
 
 namespace {
 
-constexpr std::size_t kAtTwentyUp = 1, kAtFortyUp = 2, kAtFortyDown = 6;
-
-const std::vector<double> kUpAndDown{0, 20, 40, 60, 40, 20, 0};
-
 // Two repeats: the taxels are so much off in the first one, and as much to the other side in the second.
 StraightBudget two_sides(double first_off, double second_off) {
   return StraightBudget(
@@ -283,7 +279,7 @@ TEST_CASE("common scatter: is the variance of the array's mean over the mean var
     CAPTURE(each.first, each.second);
     const StraightBudget made = two_sides(each.first, each.second);
     const BudgetMaker maker = made.maker();
-    for (const std::size_t level : {kAtTwentyUp, kAtFortyUp, kAtFortyDown})
+    for (const std::size_t level : {kTwentyUp, kFortyUp, kFortyDown})
       for (const std::size_t taxel : {0U, 1U}) {
         const Budget budget = maker.budget(taxel, level);
         CHECK(common_of(budget, UncertaintySource::kRepeatability) == Approx(each.common).margin(1e-9));
@@ -299,7 +295,7 @@ TEST_CASE("common scatter: counts for groups of sweeps, too") {
   StraightBudget made({{"low", {offset_way(kUpAndDown, 0.1, 0.1), offset_way(kUpAndDown, -0.1, -0.1)}},
                        {"high", {offset_way(kUpAndDown, 0.5, 0.3), offset_way(kUpAndDown, 0.3, 0.1)}}});
   const BudgetMaker maker = made.maker();
-  const Budget budget = maker.budget(0, kAtFortyUp);
+  const Budget budget = maker.budget(0, kFortyUp);
   // Means of the array 0.1 -0.1 0.4 0.2: squares 0.13 about 0.15. Of the taxels 0.1 -0.1 0.5 0.3: 0.20 about 0.2; 0.1
   // -0.1 0.3 0.1: 0.08 about 0.1.
   CHECK(common_of(budget, UncertaintySource::kConditioning) == Approx(0.13 / 0.14));
@@ -329,7 +325,7 @@ TEST_CASE("grouped readings: scatter within, between and of the mean match hand-
   const double within = 1.5, between = (64.0 / 3.0 - 1.5) / (8.0 / 3.0);
   for (const std::size_t taxel : {0U, 1U}) {
     const double half = taxel == 0 ? 1.0 : 0.5;
-    const Budget budget = made.maker().budget(taxel, kAtFortyUp);
+    const Budget budget = made.maker().budget(taxel, kFortyUp);
     CHECK(budget.error_psi == Approx(half * 28.0 / 6.0));
     CHECK(budget.readings == 6);
     const Contribution *repeats = row_of(budget, UncertaintySource::kRepeatability),
@@ -348,14 +344,14 @@ TEST_CASE("grouped readings: scatter within, between and of the mean match hand-
   // Noise of 2 psi is more than the scatter within: nothing is left of it, and the mean is known from the noise.
   made.calibration.scans = 3;
   made.calibration.noise_v = {0.1, 0.1, 0.0};
-  const Budget noisy = made.maker().budget(0, kAtFortyUp);
+  const Budget noisy = made.maker().budget(0, kFortyUp);
   CHECK(row_of(noisy, UncertaintySource::kNoise)->u_psi == Approx(2.0));
   CHECK(row_of(noisy, UncertaintySource::kRepeatability)->u_psi == 0.0);
   CHECK(row_of(noisy, UncertaintySource::kModel)->u_psi == Approx(std::sqrt(4.0 / 6.0 + between / 2.0)));
   // Of 1 psi a third of the variance is left.
   made.calibration.noise_v = {0.05, 0.1, 0.0};
-  CHECK(row_of(made.maker().budget(0, kAtFortyUp), UncertaintySource::kRepeatability)->u_psi == Approx(std::sqrt(0.5)));
-  CHECK(row_of(made.maker().budget(0, kAtFortyUp), UncertaintySource::kModel)->u_psi ==
+  CHECK(row_of(made.maker().budget(0, kFortyUp), UncertaintySource::kRepeatability)->u_psi == Approx(std::sqrt(0.5)));
+  CHECK(row_of(made.maker().budget(0, kFortyUp), UncertaintySource::kModel)->u_psi ==
         Approx(std::sqrt(of_mean_of(within, between))));
 }
 
@@ -367,10 +363,10 @@ TEST_CASE("budget: is linear up to where twice u of the voltage reaches the end 
     return made.maker().budget(0, level).linear;
   };
   // 20 psi are 1 V above the curve's begin, 40 psi 1 V below its end.
-  CHECK(linear(0.5, kAtTwentyUp));
-  CHECK_FALSE(linear(0.50001, kAtTwentyUp));
-  CHECK(linear(0.5, kAtFortyUp));
-  CHECK_FALSE(linear(0.50001, kAtFortyUp));
+  CHECK(linear(0.5, kTwentyUp));
+  CHECK_FALSE(linear(0.50001, kTwentyUp));
+  CHECK(linear(0.5, kFortyUp));
+  CHECK_FALSE(linear(0.50001, kFortyUp));
 }
 
 TEST_CASE("uncertainty: a run without a full sweep has no level with U") {

@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "tests/analysis/support/straight_budget.h"
+#include "tests/analysis/support/straight_array.h"
 #include "tests/analysis/support/uncertainty_example.h"
 
 using namespace tactbench;
@@ -114,11 +114,9 @@ namespace {
 
 constexpr std::size_t kUpAt40 = 2;  // of the levels: 0, 20, 40, 60 up, then down
 
-const std::vector<double> kFullLoop{0, 20, 40, 60, 40, 20, 0};
-
 // Two repeats, whose readings are `off` to either side at each level but 0.
 SequenceData calibrated(double off) {
-  return erring_way("loop", kFullLoop, {{0, off, off, off, off, off, 0}, {0, -off, -off, -off, -off, -off, 0}});
+  return erring_way("loop", kLoop, {{0, off, off, off, off, off, 0}, {0, -off, -off, -off, -off, -off, 0}});
 }
 
 // 30 readings of each taxel at each level, of one group: this mean, and exactly this standard deviation.
@@ -154,10 +152,7 @@ TEST_CASE("budget: half of a taxel's creep is corrected, the other half is a rec
   // 30 psi loading in the audit, 40 psi here: creep of up to 2.64 psi, a known error of 0.23, the rest 0.45 psi.
   StraightBudget made({calibrated(0.0)});
   made.errors = thirty_readings(made.errors, 0.23, 0.45 / std::sqrt(31.0 / 30.0));
-  HeldLevel held;
-  held.sequence = "hold";
-  held.pressure_psi = 40.0;
-  held.share.assign(3, 2.64 / 40.0);
+  const HeldLevel held{.sequence = "hold", .pressure_psi = 40.0, .share = std::vector<double>(3, 2.64 / 40.0)};
   made.inputs.creep.levels = {held};
   made.inputs.creep.not_assessed.clear();
   const Budget budget = made.maker().budget(0, kUpAt40);
@@ -165,7 +160,7 @@ TEST_CASE("budget: half of a taxel's creep is corrected, the other half is a rec
   CHECK(budget.combined_psi == Approx(std::hypot(1.32 / std::sqrt(3.0), 0.45)));
 }
 
-TEST_CASE("history row: is the mean square of held-out reversals less the own rows, with their number as degrees") {
+TEST_CASE("history row: is the mean square of held-out reversals less the other rows, with their number as degrees") {
   StraightBudget made({calibrated(0.1)});
   // After full pressure down to 20, up to 50 and down again; twice at 40 psi on the way up.
   const auto run_with = [](std::int64_t number, double first, double second) {
@@ -197,7 +192,7 @@ TEST_CASE("dwell row: is rectangular from zero to the change between dwell times
   StraightBudget made({calibrated(0.1)});
   // The repeat at 1 s, as in the calibration, is the base; at 4 s the first taxel reads 0.6 psi more at 40 psi upward.
   const Dataset paced =
-      dataset_of({erring_way("rate", kFullLoop, {std::vector<double>(7, 0.0), {0, 0, 0.6, 0, 0, 0, 0}}, {1.0, 4.0})});
+      dataset_of({erring_way("rate", kLoop, {std::vector<double>(7, 0.0), {0, 0, 0.6, 0, 0, 0, 0}}, {1.0, 4.0})});
   made.inputs.history.paced = {&paced};
   const BudgetMaker maker = made.maker();
   const Budget budget = maker.budget(0, kUpAt40);

@@ -100,7 +100,6 @@ TEST_CASE("arrival times: are those of the first frame at each level above the l
 }
 
 // Measuring intervals by hand.
-using namespace tactbench::analysis;
 
 namespace {
 

@@ -8,7 +8,7 @@
 
 #include "analysis/compensate/curves.h"
 #include "analysis/compensate/turning.h"
-#include "tests/analysis/support/effect_runs.h"
+#include "tests/analysis/support/uncertainty_example.h"
 
 using namespace tactbench;
 using namespace tactbench::analysis;
@@ -113,11 +113,9 @@ TEST_CASE("U of a reading: agrees with Monte Carlo if the inverse is linear, and
 
 TEST_CASE("U of a reading: agrees with Monte Carlo with creep and temperature included") {
   const Example example(0.006, 1);
-  HoldOptions hold;
-  hold.per_decade = 0.006;
   UncertaintyInputs inputs;
-  inputs.creep =
-      creep_effect_of(read_after(example.dataset, 2.0), std::vector<Dataset>{hold_run(example, hold)}, example.fit);
+  inputs.creep = creep_effect_of(read_after(example.dataset, 2.0),
+                                 std::vector<Dataset>{hold_run(example, {.per_decade = 0.006})}, example.fit);
   Dataset calibration = at_temperature(example, 23.0, 0.0, 0.0);
   calibration.temperatures_c = {21.0, 25.0};
   inputs.temperature = temperature_effect_of(

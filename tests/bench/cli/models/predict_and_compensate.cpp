@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "analysis/identify/sensor_model.h"
-#include "tests/analysis/support/creeping_film.h"
+#include "tests/analysis/support/dynamic_runs.h"
 #include "tests/bench/cli/models/known_model.h"
 #include "tests/bench/cli/models/models_here.h"
 
