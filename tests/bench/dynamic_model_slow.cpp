@@ -6,7 +6,7 @@
 
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
-#include "tests/support/small_array.h"
+#include "tests/support/run_recipe.h"
 
 using namespace tactbench::tests;
 using nlohmann::json;

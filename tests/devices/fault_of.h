@@ -2,10 +2,14 @@
 #pragma once
 
 #include <catch2/catch.hpp>
+
+#include <atomic>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include "devices/device.h"
+#include "devices/fault_injection.h"
 
 namespace tactbench::devices {
 
@@ -45,6 +49,14 @@ void check_fault(Act&& act, const std::string& id, const std::string& device = {
   CHECK(fault->id() == id);
   CHECK_THAT(fault->device(), Catch::Contains(device));
   CHECK_THAT(fault->what(), Catch::Contains(fact));
+}
+
+// Injects a fault into one request to a simulated instrument, which counts its requests from 0.
+
+inline FaultInjector fault_at(int number, InjectedFault fault) {
+  return [asked = std::make_shared<std::atomic<int>>(0), number, fault] {
+    return (*asked)++ == number ? fault : InjectedFault::kNone;
+  };
 }
 
 }  // namespace tactbench::devices

@@ -2,15 +2,20 @@
 // scans; a fault's parts, a folder for sockets.
 #pragma once
 
+#include <catch2/catch.hpp>
+
 #include <atomic>
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
 #include <string>
 
 #include "bench/config/config_profile.h"
 #include "devices/clock.h"
+#include "devices/force/force_sensor.h"
 #include "devices/pressure/chamber_port.h"
 #include "devices/tactile/simulated_scanner.h"
+#include "devices/tactile/tactile_array.h"
 #include "tests/devices/fault_of.h"
 #include "tests/support/process.h"
 
@@ -54,6 +59,26 @@ class TestArray final : public TactilePort {
   }
   std::atomic<int> scans{0};
 };
+
+// Gives what `load` says at the n-th request (from 0).
+class NumberedLoad final : public ForcePort {
+ public:
+  explicit NumberedLoad(std::function<Wrench(int)> load) : load_(std::move(load)) {}
+  Wrench wrench() override { return load_(asked++); }
+  std::atomic<int> asked{0};
+
+ private:
+  std::function<Wrench(int)> load_;
+};
+
+// The scan of that number is whole, at `index` of what was read.
+inline void check_scan(const ScanSet& set, int index, int scan) {
+  const std::size_t taxels = static_cast<std::size_t>(set.rows) * static_cast<std::size_t>(set.columns);
+  for (std::size_t i = 0; i < taxels; ++i) {
+    const auto got = set.counts[static_cast<std::size_t>(index) * taxels + i];
+    if (got != TestArray::sample(scan, i)) FAIL("scan " << index << " taxel " << i << ": " << got);
+  }
+}
 
 inline ModuleProfile module_profile(const std::string& name) { return bench::read_module_profile(name); }
 

@@ -85,7 +85,7 @@ REPORT = [
 
 PROGRAM_ITSELF = [
     ("A run ends in a safe state that is proven, whatever ends it",
-     ["run: a Modbus server that is silent, dies or never answers ends it, with the safe state unverified", "faults: table",
+     ["run: an instrument or the chamber that fails ends it, vented if the module answers, with frames kept", "faults: table",
       "dead-man: after the sequencer is killed or stopped at 60 psi the chamber is vented"]),
     ("No command beyond a limit reaches an actuator", ["guard gate: a command reaches the driver once and sets the set-point, a refused one is not sent",
                                                        "guard: accepts pressures from 0 to the command limit, and rejects values that are not finite"]),

@@ -28,7 +28,7 @@ def ask(stream, host, path, token):
 
 
 def refusals(program, folder):
-    """Keys that cannot be used end the program, which says which file it was; tests/bench/page/start_errors.cpp has the others."""
+    """Keys that cannot be used end the program, which says which file it was; tests/bench/page/access_rules.cpp has the others."""
     subprocess.run(["openssl", "rsa", "-in", "own.key", "-traditional", "-aes256", "-passout", "pass:secret", "-out", "locked.key"],
                    cwd=folder, check=True, capture_output=True, timeout=LONGEST_S)
     for key in ("other.key", "locked.key"):

@@ -1,12 +1,14 @@
 // The very steps that a recipe of levels becomes, all their fields, against lists written out by hand.
+
 #include <catch2/catch.hpp>
+
 #include <cmath>
 #include <map>
 #include <set>
 #include <string>
 
 #include "sequences/recipe.h"
-#include "tests/sequences/recipe_text.h"
+#include "sequences/step.h"
 #include "tests/sequences/refusal.h"
 
 using namespace tactbench::sequences;
@@ -279,4 +281,176 @@ TEST_CASE("compile: levels are exact decimals of the file's unit, equal on every
       CHECK((levels.size() == 1 && *levels.begin() == decimal * row.psi_per_unit));
     }
   }
+}
+
+// Lines, spans and extremes of steps.
+
+namespace {
+
+Recipe three_touches(const std::string& more = {}) {
+  return press_of("forces_n = [2, 6]\npositions_mm = [[30, 20], [10, 40], [20, 5]]\n" + more);
+}
+
+struct Stretch {
+  SpanKind kind;
+  std::size_t first, count;
+};
+
+void check_stretches(const std::vector<BranchSpan>& spans, const std::vector<Stretch>& wanted) {
+  REQUIRE(spans.size() == wanted.size());
+  for (std::size_t i = 0; i < spans.size(); ++i) {
+    INFO("span " << i);
+    CHECK(spans[i].kind == wanted[i].kind);
+    CHECK(spans[i].first == wanted[i].first);
+    CHECK(spans[i].count == wanted[i].count);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("frames of steps: only measuring and press steps have one, and no press that only travels") {
+  for (const StepKind kind :
+       {StepKind::kConditioning, StepKind::kMeasure, StepKind::kPrompt, StepKind::kTare, StepKind::kHome,
+        StepKind::kMoveXy, StepKind::kApproach, StepKind::kPress, StepKind::kRetract}) {
+    Step step;
+    step.kind = kind;
+    CHECK(has_frame(step) == (kind == StepKind::kMeasure || kind == StepKind::kPress));
+    step.frame = false;
+    CHECK(!has_frame(step));
+  }
+}
+
+TEST_CASE("branch spans: each recipe of a run has its own") {
+  const Recipe up = recipe_of("turning_points = [0, 2]\nstep = 2\n");
+  const auto spans = branches(compile({up, up}));
+  check_stretches(spans, {{SpanKind::kBranch, 0, 2}, {SpanKind::kBranch, 2, 2}});
+  CHECK((spans[0].key == BranchKey{0, 0, 0} && spans[1].key == BranchKey{1, 0, 0}));
+  const Recipe conditioned = recipe_of("turning_points = [0, 2]\nstep = 2\n[conditioning]\ncycles = 2\npeak = 2\n");
+  check_stretches(branches(path_to_branch(conditioned, 3, 0, 0)), {{SpanKind::kConditioning, 0, 4}});
+}
+
+TEST_CASE("branch spans: press steps are split into branches, conditioning and travel") {
+  const auto steps = compile(three_touches("[conditioning]\ncycles = 2\n"), 0);
+  // home, tare | move | 2 x (approach, press, retract) | approach | 2 up | 1 down | retract and so on.
+  const auto travel = SpanKind::kTravel, conditioning = SpanKind::kConditioning, branch = SpanKind::kBranch;
+  const auto spans = branches(steps);
+  check_stretches({spans.begin(), spans.begin() + 5},
+                  {{travel, 0, 3}, {conditioning, 3, 6}, {travel, 9, 1}, {branch, 10, 2}, {branch, 12, 1}});
+  CHECK((spans[3].key == BranchKey{0, 0, 0} && spans[4].key == BranchKey{0, 0, 1}));
+  std::size_t covered = 0;
+  for (const BranchSpan& span : spans) covered += span.count;
+  CHECK(covered == steps.size());
+  // retract, home, tare, move | a cycle | approach | up to the peak without frames: it conditions, too.
+  const Recipe once = three_touches("[conditioning]\ncycles = 1\n");
+  check_stretches(branches(path_to_branch(once, 0, 0, 1)),
+                  {{travel, 0, 4}, {conditioning, 4, 3}, {travel, 7, 1}, {conditioning, 8, 2}});
+}
+
+TEST_CASE("step extremes: lowest and highest values are found, also if neither first nor last") {
+  const Extremes levels = extremes(compile(recipe_of("turning_points = [4, 8, 2, 6]\nstep = 2\nsettle = \"none\"\n"
+                                                     "ramp_psi_per_s = [0.5, 0.75, 0.25]\n"),
+                                           0));
+  CHECK((levels.lowest == Psi(2.0) && levels.highest == Psi(8.0) && levels.fastest_ramp_psi_per_s == 0.75));
+  CHECK((levels.pressurizes && !levels.presses && !levels.moves && levels.largest_force_n == 0.0));
+  // Levels of conditioning count.
+  const Extremes conditioned =
+      extremes(compile(recipe_of("turning_points = [4, 8]\nstep = 2\n[conditioning]\ncycles = 1\npeak = 9\n"), 0));
+  CHECK((conditioned.lowest == Psi(0.0) && conditioned.highest == Psi(9.0)));
+  CHECK(conditioned.fastest_ramp_psi_per_s == 0.0);
+  const Extremes touches = extremes(compile(three_touches(), 0));
+  CHECK((touches.presses && touches.moves && !touches.pressurizes && touches.largest_force_n == 6.0));
+  CHECK((touches.lowest_x_mm == 10.0 && touches.highest_x_mm == 30.0));
+  CHECK((touches.lowest_y_mm == 5.0 && touches.highest_y_mm == 40.0));
+  CHECK((touches.lowest == Psi(0.0) && touches.highest == Psi(0.0)));
+  Step approach;
+  approach.kind = StepKind::kApproach;
+  CHECK(extremes({approach}).presses);
+  CHECK(!extremes({approach}).moves);
+  const Extremes none = extremes({});
+  CHECK((!none.presses && !none.moves && !none.pressurizes && none.fastest_ramp_psi_per_s == 0.0));
+}
+
+TEST_CASE("way back: to a branch of a press ends where the branch's own steps continue") {
+  const Recipe recipe = press_of("positions_mm = [[10, 20], [30, 40]]\nforces_n = [2, 6, 10]\n");
+  // Where the way back ends, the branch's own steps continue.
+  const auto steps = compile(recipe, 0);
+  for (const BranchSpan& span : branches(steps)) {
+    if (span.kind != SpanKind::kBranch) continue;
+    const Step& first = steps[span.first];
+    const Step end = path_to_branch(recipe, 0, 0, first.branch).back();
+    CHECK((end.x_mm == first.x_mm && end.y_mm == first.y_mm && end.ordinal == first.ordinal));
+  }
+}
+
+TEST_CASE("press grid: positions go row by row, every other row backward") {
+  const Recipe recipe = press_of("forces_n = [2]\n[press.grid]\nx = [10, 12, 1]\ny = [5, 7, 2]\n");
+  const std::vector<std::pair<double, double>> expected = {{10, 5}, {11, 5}, {12, 5}, {12, 7}, {11, 7}, {10, 7}};
+  CHECK(recipe.press.positions_mm == expected);
+  const Recipe tall = press_of("forces_n = [2]\n[press.grid]\nx = [1, 2, 1]\ny = [1, 5, 1]\n");
+  CHECK(tall.press.positions_mm == std::vector<std::pair<double, double>>{
+                                       {1, 1}, {2, 1}, {2, 2}, {1, 2}, {1, 3}, {2, 3}, {2, 4}, {1, 4}, {1, 5}, {2, 5}});
+}
+
+TEST_CASE("step line: differs for each field of a step") {
+  Step base;
+  base.kind = StepKind::kPress;
+  std::set<std::string> lines = {step_line(base)};
+  const auto differs = [&](auto change) {
+    Step step = base;
+    change(step);
+    CHECK(lines.insert(step_line(step)).second);
+  };
+  differs([](Step& s) { s.kind = StepKind::kApproach; });
+  for (int Step::*number : {&Step::sequence, &Step::repeat, &Step::branch, &Step::ordinal})
+    differs([&](Step& s) { s.*number = 1; });
+  for (double Step::*value : {&Step::force_from_n, &Step::force_to_n, &Step::x_mm, &Step::y_mm, &Step::dwell_s})
+    differs([&](Step& s) { s.*value = 1; });
+  differs([](Step& s) { s.force_n = 1e-9; });
+  for (bool Step::*flag : {&Step::hold, &Step::hold_force, &Step::frame})
+    differs([&](Step& s) { s.*flag = !(s.*flag); });
+  differs([](Step& s) { s.text.push_back('x'); });
+  base.kind = StepKind::kMeasure;
+  differs([](Step&) {});
+  differs([](Step& s) { s.setpoint = tactbench::devices::Psi(1e-9); });
+  differs([](Step& s) { s.branch_from = tactbench::devices::Psi(1); });
+  differs([](Step& s) { s.branch_to = tactbench::devices::Psi(1); });
+  differs([](Step& s) { s.ramp_psi_per_s = 1; });
+  differs([](Step& s) { s.settle = false; });
+}
+
+namespace {
+
+Recipe grid_recipe(const std::string& x, const std::string& y, const std::string& more = {}) {
+  return press_of("forces_n = [2]\n" + more + "[press.grid]\nx = " + x + "\ny = " + y + "\n");
+}
+
+std::vector<double> xs_of(const std::string& x) {
+  std::vector<double> xs;
+  for (const auto& at : grid_recipe(x, "[3, 3, 1]").press.positions_mm) xs.push_back(at.first);
+  return xs;
+}
+
+}  // namespace
+
+TEST_CASE("press grid: an axis ends at the last step that does not pass its end") {
+  CHECK(xs_of("[10, 12, 0.5]") == std::vector<double>{10, 10.5, 11, 11.5, 12});
+  CHECK(xs_of("[10, 12.25, 0.5]") == std::vector<double>{10, 10.5, 11, 11.5, 12});
+  CHECK(xs_of("[-4, 4, 4]") == std::vector<double>{-4, 0, 4});
+  CHECK(xs_of("[7, 7, 1]") == std::vector<double>{7});
+  // 0.3 / 0.1 is 2.9999999999999996: an end reached but for a billionth of a step is reached.
+  CHECK(xs_of("[0, 0.3, 0.1]").size() == 4);
+  CHECK(xs_of("[0, 0.9999999995, 1]").size() == 2);
+  CHECK(xs_of("[0, 0.9999999989, 1]").size() == 1);
+}
+
+TEST_CASE("press grid: ten thousand positions are accepted, along one axis or in total") {
+  CHECK(grid_recipe("[1, 100, 1]", "[1, 100, 1]").press.positions_mm.size() == 10'000);
+  CHECK(grid_recipe("[1, 10000, 1]", "[1, 1, 1]").press.positions_mm.size() == 10'000);
+}
+
+TEST_CASE("press positions: need either a list or a grid, not both") {
+  const std::string grid = "[press.grid]\nx = [1, 1, 1]\ny = [1, 1, 1]\n", list = "positions_mm = [[1, 1]]\n";
+  for (const std::string& at :
+       {list + grid, std::string("positions_mm = []\n"), std::string("positions_mm = 1\n"), std::string()})
+    CHECK(key_refused([&] { (void)press_of("forces_n = [2]\n" + at); }) == "press.positions_mm");
 }

@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "sequences/estimate.h"
-#include "tests/sequences/recipe_text.h"
+#include "tests/sequences/refusal.h"
 
 using namespace tactbench::sequences;
 

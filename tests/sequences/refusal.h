@@ -2,11 +2,13 @@
 #pragma once
 
 #include <catch2/catch.hpp>
+
 #include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "sequences/recipe.h"
 #include "sequences/toml/strict_toml.h"
 
 namespace tactbench::sequences {
@@ -58,6 +60,18 @@ inline std::string key_refused(const std::function<void()>& act, const std::stri
   if (!error) return "accepted";
   CHECK_THAT(error->what(), Catch::Contains(fact));
   return error->where().substr(error->where().find(' ') + 1);
+}
+
+// Builds recipes from the part of their text that a test needs.
+
+// Lines 1 to 5 are those before `press`, which follows in [press]; `root` comes before that.
+inline Recipe press_of(const std::string& press, const std::string& root = {}) {
+  return parse_recipe(TomlDocument::from_text(
+      "schema = 1\nname = \"t\"\nkind = \"press\"\n" + root + "[press]\nobject = \"ring\"\n" + press, "p.toml"));
+}
+
+inline Recipe recipe_of(const std::string& body) {
+  return parse_recipe(TomlDocument::from_text("schema = 1\nname = \"t\"\nunit = \"psi\"\n" + body, "test.toml"));
 }
 
 }  // namespace tactbench::sequences

@@ -3,21 +3,24 @@
 #pragma once
 
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <functional>
-#include <sstream>
+#include <memory>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "bench/guard/trip.h"
 #include "bench/simulation/simulated_rig.h"
+#include "tests/support/child_process.h"
 #include "tests/support/generous_timeouts.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
+#include "tests/support/text.h"
 
 namespace tactbench::tests {
 
@@ -60,6 +63,16 @@ class HostedRig {
   [[nodiscard]] double psi() { return rig_.plant().true_pressure().value(); }
   [[nodiscard]] double force_n() { return -rig_.plant().wrench().force_n[2]; }
 
+  // `tactbench run` in a process of its own, of a recipe in psi that begins with `levels` and is called hold.toml.
+  [[nodiscard]] std::unique_ptr<ChildProcess> begin_run(const std::string& levels) const {
+    write_file(folder.path("hold.toml"), "schema = 1\nname = \"hold\"\nunit = \"psi\"\nturning_points = " + levels);
+    const std::string type = bench::find_config("sensor.toml"), db = folder.path("runs.db");
+    REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", type, "--db", db}).code == 0);
+    return std::make_unique<ChildProcess>(
+        std::vector<std::string>{program_path(), "run", folder.path("hold.toml"), "--no-seating", "--bench",
+                                 folder.path("bench.toml"), "--sensor", "S-1", "--operator", "t", "-q", "--db", db});
+  }
+
   // Seconds until `done`; gives up after `longest`.
   static double seconds_until(const std::function<bool()>& done, double longest) {
     const auto start = std::chrono::steady_clock::now();
@@ -78,9 +91,8 @@ class HostedRig {
     return all;
   }
   static std::string text_without(const std::vector<std::string>& left_out, const std::string& shipped) {
-    std::istringstream lines(read_file(bench::find_config(shipped)));
     std::string text;
-    for (std::string line; std::getline(lines, line);) {
+    for (const std::string& line : lines_of(read_file(bench::find_config(shipped)))) {
       const bool out =
           std::any_of(left_out.begin(), left_out.end(), [&](const auto& one) { return line.starts_with(one); });
       if (!out) text += line + "\n";

@@ -39,7 +39,7 @@ inline bench::RunRequest small_request(const std::vector<sequences::Override>& b
   request.sensor = {"S-1", type.name, type.text, db::sha256_hex(type.text), "SIM-SCANNER-1", "", bench::utc_now()};
   request.sensor_type = type;
   request.operator_name = "test";
-  request.check_seating = false;  // its exchanges and scans would move what the tests count; seating_wire.cpp has it
+  request.check_seating = false;  // its exchanges and scans would move what the tests count; whole_run_wire.cpp has it
   return request;
 }
 

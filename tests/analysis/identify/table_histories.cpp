@@ -8,7 +8,7 @@
 #include "analysis/identify/fit_models.h"
 #include "analysis/identify/histories.h"
 #include "tests/analysis/support/fit_samples.h"
-#include "tests/bench/cli/play_table.h"
+#include "tests/bench/cli/models/known_model.h"
 
 using namespace tactbench::analysis;
 using synthetic::table_options;

@@ -11,7 +11,7 @@
 #include "analysis/report/data/traceability.h"
 #include "analysis/report/gather.h"
 #include "analysis/report/run_log.h"
-#include "tests/db/new_store.h"
+#include "tests/db/store_example.h"
 
 using namespace tactbench::analysis;
 using namespace tactbench;

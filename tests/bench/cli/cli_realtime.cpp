@@ -1,14 +1,18 @@
 // Signals, each at a moment of the run that is waited for.
-#include <csignal>
 
 #include <catch2/catch.hpp>
-#include <filesystem>
 #include <nlohmann/json.hpp>
+
+#include <csignal>
+#include <filesystem>
 #include <set>
 
 #include "db/run_store.h"
-#include "tests/bench/cli/small_bench.h"
+#include "tests/bench/cli/verb_here.h"
 #include "tests/support/paths.h"
+#include "tests/support/run_recipe.h"
+#include "tests/support/served_rig.h"
+#include "tests/support/text.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -31,8 +35,7 @@ struct LongRunHere {
   Finished run(const Signal& signal, const std::vector<std::string>& more = {}) const {
     return run_program(
         program_path(),
-        joined_arguments({"run", "small.toml", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "t", "-q"},
-                         more),
+        joined({"run", "small.toml", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "t", "-q"}, more),
         folder.path(), signal);
   }
   Finished signalled(int number) const {
@@ -90,4 +93,40 @@ TEST_CASE("run: the next start marks a run with a killed process as interrupted"
   well(of.run({}, {"--set", "recipe.repeats=1"}));
   CHECK(of.shown()["outcome"] == "interrupted");
   CHECK(of.shown()["frames"] == dead["frames"]);
+}
+
+// `tactbench simulate` in a separate process, with the real drivers of another process on its connections.
+
+namespace {
+
+const std::string kProgram = program_path();
+
+}  // namespace
+
+TEST_CASE("simulate: another process finds every instrument, reads them and completes a run") {
+  const ServedRig simulator(10.0);
+  const json devices =
+      json::parse(well(simulator.run({"devices", "check", "--bench", "bench.toml", "--json"})).out)["devices"];
+  CHECK(devices.size() == 6);
+  for (const json& device : devices) CHECK(device["state"] == "ok");
+  CHECK(simulator.run({"live", "--bench", "bench.toml", "--frames", "2", "--interval", "0.1"}).code == 0);
+  write_file(simulator.folder.path("small.toml"),
+             "schema = 1\nname = \"small\"\nunit = \"psi\"\nturning_points = [0, 20, 0]\nstep = 10\ndwell_s = 1\n");
+  const json row = json::parse(well(simulator.run({"run", "small.toml", "--bench", "bench.toml", "--sensor", "S-1",
+                                                   "--operator", "t", "-q", "--json"}))
+                                   .out);
+  check_members(row, R"({"frames": 5, "origin": "simulated", "safe_state": "verified"})");
+}
+
+TEST_CASE("simulate: after the sequencer is killed the watchdog of the module vents the chamber") {
+  ServedRig simulator(1.0, {"dead_man.enabled=false"});
+  write_file(simulator.folder.path("hold.toml"),
+             "schema = 1\nname = \"hold\"\nunit = \"psi\"\nturning_points = [40, 60, 40]\nstep = 20\ndwell_s = 600\n");
+  const auto run = simulator.start_run("hold.toml");
+  constexpr double kPatience = 60.0;
+  REQUIRE(simulator.seconds_until([](double psi) { return psi > 39.0; }, kPatience) < kPatience);
+  run->signal(SIGKILL);
+  CHECK(run->wait() == -SIGKILL);
+  CHECK(simulator.psi() > 20.0);  // nobody else vents
+  CHECK(simulator.seconds_until_safe(kPatience) < kPatience);
 }

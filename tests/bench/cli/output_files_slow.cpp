@@ -7,8 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "tests/bench/cli/play_table.h"
-#include "tests/bench/cli/small_bench.h"
+#include "tests/bench/cli/models/known_model.h"
+#include "tests/support/run_recipe.h"
+#include "tests/support/text.h"
 
 using namespace tactbench::tests;
 
@@ -69,7 +70,7 @@ TEST_CASE("output files: no verb overwrites a store, whatever its options") {
   for (const Words& verb : writing_verbs())
     for (const char* target : {"runs.db", "link"}) {
       INFO(verb[0] << " " << verb[1]);
-      check_refusal(call(folder, joined_arguments(verb, {target, "--replace"})), 2, "TB-FILE-STORE");
+      check_refusal(call(folder, joined(verb, {target, "--replace"})), 2, "TB-FILE-STORE");
       CHECK(read_file(folder.path("runs.db")) == before);
     }
   CHECK(std::filesystem::is_symlink(folder.path("link")));
@@ -89,7 +90,7 @@ TEST_CASE("output files: a verb overwrites its own earlier output, and another f
     INFO(verb[0] << " " << verb[1]);
     if (verb == Words{"report", "sign", "1", "--by", "C. Chief", "-o"}) continue;  // once only
     const auto written = [&](bool replace) {
-      return call(folder, joined_arguments(verb, replace ? Words{"target", "--replace"} : Words{"target"}));
+      return call(folder, joined(verb, replace ? Words{"target", "--replace"} : Words{"target"}));
     };
     write_file(target, "dear diary\n");
     const Finished refused = written(false);
@@ -143,7 +144,7 @@ TEST_CASE("profile: the store of the environment outranks that of the file, --db
   const SetVariable db("TACTBENCH_DB", "environment.db");
   REQUIRE(call(folder, add).code == 0);
   CHECK(made("environment.db"));
-  REQUIRE(call(folder, joined_arguments(add, {"--db", "typed.db"})).code == 0);
+  REQUIRE(call(folder, joined(add, {"--db", "typed.db"})).code == 0);
   CHECK(made("typed.db"));
   CHECK(!made("runs.db"));
 }
@@ -198,13 +199,12 @@ bool shows_psi(const std::string& text) { return std::regex_search(text, std::re
 TEST_CASE("units: plan, recipes and errors are in kPa or bar, JSON is unchanged") {
   const TemporaryFolder folder;
   const std::vector<std::string> plan = {"plan", "production", "--steps", "--all"};
-  const std::string kpa = call(folder, joined_arguments(plan, {"--units", "kpa"})).out;
+  const std::string kpa = call(folder, joined(plan, {"--units", "kpa"})).out;
   CHECK_THAT(kpa, Catch::Contains(" 413.7 kPa") && Catch::Contains("455.1 kPa"));
   CHECK_FALSE(shows_psi(kpa));
-  CHECK(call(folder, joined_arguments(plan, {"--json"})).out ==
-        call(folder, joined_arguments(plan, {"--json", "--units", "bar"})).out);
+  CHECK(call(folder, joined(plan, {"--json"})).out == call(folder, joined(plan, {"--json", "--units", "bar"})).out);
   CHECK(call(folder, {"plan", "production", "--set", "recipe.conditioning.peak=5bar", "--units", "bar"}).code == 2);
-  const Finished wrong = call(folder, joined_arguments(plan, {"--units", "mbar"}));
+  const Finished wrong = call(folder, joined(plan, {"--units", "mbar"}));
   CHECK(wrong.code == 2);
   CHECK_THAT(wrong.err, Catch::Contains("--units"));
 }

@@ -4,8 +4,8 @@
 
 #include "analysis/identify/stored/model_document.h"
 #include "db/run_store.h"
-#include "tests/bench/cli/small_bench.h"
 #include "tests/support/run_recipe.h"
+#include "tests/support/text.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -19,7 +19,7 @@ void prepare_traced_run(const TemporaryFolder& folder) {
 }
 
 json report_json(const TemporaryFolder& folder, const std::vector<std::string>& words, int code) {
-  well(call(folder, joined_arguments({"report", "--format", "json", "-o", "r.json"}, words)), code);
+  well(call(folder, joined({"report", "--format", "json", "-o", "r.json"}, words)), code);
   return json::parse(read_file(folder.path("r.json")));
 }
 
@@ -159,7 +159,7 @@ TEST_CASE("traceability: pressures beyond the certificate give warnings, no pass
   for (const std::vector<std::string>& range : ranges) {
     CAPTURE(run);
     const Finished plan =
-        call(folder, joined_arguments({"plan", "small.toml", "--bench", "bench.toml", "--units", "psi"}, range));
+        call(folder, joined({"plan", "small.toml", "--bench", "bench.toml", "--units", "psi"}, range));
     CHECK(plan.code == 0);
     CHECK_THAT(plan.err, Catch::Contains("0 to 40 psi") && Catch::Contains("60 psi"));
     for (int i = 0; i < 2; ++i) run_recipe(folder, "small.toml", range);
@@ -177,7 +177,7 @@ TEST_CASE("traceability: pressures beyond the certificate give warnings, no pass
     run += 2;
   }
   const std::vector<std::string> whole = {"--set", "reference.certificate_range_psi=[0, 60]"};
-  CHECK_THAT(call(folder, joined_arguments({"plan", "small.toml", "--bench", "bench.toml"}, whole)).err,
+  CHECK_THAT(call(folder, joined({"plan", "small.toml", "--bench", "bench.toml"}, whole)).err,
              !Catch::Contains("warning"));
 }
 

@@ -41,7 +41,7 @@ void check_ranges(const Changes& before, const std::string& table, const std::ve
 
 }  // namespace
 
-TEST_CASE("config ranges: limits, dead-man, settling") {
+TEST_CASE("config ranges: the refusal of a number that drives the rig names its range") {
   REQUIRE(tests::bench_accepts(kSimulated, {}));
   check_ranges({}, "limits.",
                {{"command_psi", "1 to 100"},
@@ -68,9 +68,6 @@ TEST_CASE("config ranges: limits, dead-man, settling") {
                 {"landing_s", "0 to 10"},
                 {"timeout_s", "1 to 600"}});
   check_ranges({{"bench.simulator", "external"}}, "bench.", {{"rate", "0.1 to 100"}});
-}
-
-TEST_CASE("config ranges: modules, regulator, reference") {
   check_ranges({}, "module.",
                {{"watchdog_ms", "500 to 60000"},
                 {"outputs", "1 to 64"},
@@ -90,9 +87,6 @@ TEST_CASE("config ranges: modules, regulator, reference") {
                 {"expanded_uncertainty_psi", "0 to 10"},
                 {"drift_psi", "0 to 10"},
                 {"resolution_psi", "0 to 10"}});
-}
-
-TEST_CASE("config ranges: stage and force") {
   check_ranges({}, "stage.",
                {{"reply_timeout_ms", "20 to 10000"},
                 {"poll_interval_ms", "20 to 1000"},

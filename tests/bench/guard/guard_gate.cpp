@@ -9,7 +9,7 @@
 #include "bench/common/process_time.h"
 #include "bench/guard/guard.h"
 #include "bench/guard/guard_devices.h"
-#include "tests/bench/run/press/ideal_press.h"
+#include "tests/bench/run/press/press_rig.h"
 #include "tests/devices/fault_of.h"
 
 using namespace tactbench;

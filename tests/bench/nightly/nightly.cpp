@@ -1,29 +1,32 @@
 #include <fmt/format.h>
 #include <signal.h>
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+#include <pugixml.hpp>
 
 #include <algorithm>
-#include <catch2/catch.hpp>
 #include <cstdlib>
 #include <filesystem>
 #include <limits>
-#include <nlohmann/json.hpp>
-#include <pugixml.hpp>
 #include <set>
 #include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "bench/cli/night/nightly.h"
 #include "bench/common/error.h"
 #include "bench/common/stop_request.h"
 #include "bench/nightly/night.h"
 #include "bench/run/recipe_check.h"
 #include "db/run_store.h"
 #include "sequences/toml/strict_toml.h"
+#include "tests/bench/cli/verb_here.h"
 #include "tests/support/endless_run.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 #include "tests/support/refusal.h"
+#include "tests/support/text.h"
 #include "tests/support/variable.h"
 
 using namespace tactbench;
@@ -332,17 +335,11 @@ class ScriptedNight {
     CHECK_FALSE(error->remedy().empty());
     return std::to_string(static_cast<int>(error->code())) + " " + error->id() + " " + error->where();
   }
-  [[nodiscard]] TalkLines lines_of(const std::string& name) const {
-    std::istringstream text(read_file(folder.path(name)));
-    TalkLines lines;
-    for (std::string line; std::getline(text, line);) lines.push_back(line);
-    return lines;
-  }
   [[nodiscard]] std::string kept(const std::string& name) const { return options.stores + "/" + name; }
   // At most that many processes at a time.
   [[nodiscard]] int most_at_once() const {
     int most = 0;
-    for (const std::string& line : lines_of("counts")) most = std::max(most, std::stoi(line));
+    for (const std::string& line : lines_of(read_file(folder.path("counts")))) most = std::max(most, std::stoi(line));
     return most;
   }
   TemporaryFolder folder;
@@ -373,7 +370,7 @@ TEST_CASE("night process: each scenario runs in its own process, results are in 
   REQUIRE(night.told.size() == 3);
   CHECK(night.told[2] == "good-a bad struck ");
   CHECK(night.most_at_once() <= 2);
-  const TalkLines words = night.lines_of("words-41");
+  const TalkLines words = lines_of(read_file(night.folder.path("words-41")));
   REQUIRE(words.size() == 11);
   const std::string scope = words[0];
   CHECK_THAT(scope, Catch::Contains("tactbench-night"));
@@ -413,7 +410,7 @@ TEST_CASE("night process: a scenario over its time limit is killed with its chil
   CHECK_THAT(results[0].wrong[0], Catch::Contains(" 1 s"));
   CHECK(results[0].seconds >= 1.4);
   CHECK(results[1].wrong.empty());
-  CHECK(process_ends(night.lines_of("sleeper").at(0)));
+  CHECK(process_ends(lines_of(read_file(night.folder.path("sleeper"))).at(0)));
 }
 
 TEST_CASE("night process: a signal ends all scenarios, and the error states how many had finished") {
@@ -465,4 +462,83 @@ TEST_CASE("night process: stores and logs of an earlier night are replaced, othe
   CHECK_THAT(night.refusal(), Catch::StartsWith("2 TB-FILE-EXISTS "));
   night.options.replace = true;
   CHECK(night.carry_out().size() == 1);
+}
+
+// A night's results: its exit code, its JSON document and each printed line.
+
+namespace {
+
+Suite suite_of(std::size_t scenarios) {
+  Suite suite;
+  suite.name = "small";
+  suite.scenarios.resize(scenarios);
+  return suite;
+}
+
+ScenarioResult result_with(const std::vector<std::string>& wrong, const std::vector<std::string>& remarks) {
+  ScenarioResult result;
+  result.name = "short";
+  result.about = "a fit";
+  result.seconds = 12.34;
+  result.wrong = wrong;
+  result.remarks = remarks;
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("night results: exit code is 1 for a failed or missing scenario, 6 for changes only, and 1 outranks 6") {
+  const ScenarioResult green = result_with({}, {}), moved = result_with({}, {"a"}), red = result_with({"b"}, {}),
+                       both = result_with({"b"}, {"a"});
+  CHECK(code_of_night(suite_of(2), {green, green}) == ExitCode::kPass);
+  CHECK(code_of_night(suite_of(2), {green, moved}) == ExitCode::kInconclusive);
+  CHECK(code_of_night(suite_of(2), {red, moved}) == ExitCode::kCriterionFailed);
+  CHECK(code_of_night(suite_of(1), {both}) == ExitCode::kCriterionFailed);
+  CHECK(code_of_night(suite_of(3), {green, green}) == ExitCode::kCriterionFailed);
+  CHECK(code_of_night(suite_of(0), {}) == ExitCode::kPass);
+}
+
+TEST_CASE("night results: the JSON document counts the failed scenarios and those that did not run") {
+  const nlohmann::ordered_json json =
+      night_json(suite_of(4), {result_with({"b"}, {}), result_with({}, {"a"}), result_with({"c"}, {})});
+  tests::check_members(json, R"({"suite": "small", "origin": "simulated", "red": 2, "not_run": 1})");
+  REQUIRE(json.at("scenarios").size() == 3);
+  CHECK(json.at("scenarios").at(0).at("wrong") == nlohmann::json({"b"}));
+  CHECK(json.at("scenarios").at(1).at("remarks") == nlohmann::json({"a"}));
+  CHECK(json.at("scenarios").at(1).at("seconds") == 12.34);
+}
+
+TEST_CASE("night results: only requested files are written, a file of another kind is overwritten on request only") {
+  const tests::TemporaryFolder folder;
+  Session session;
+  const Suite suite = suite_of(1);
+  write_night_lists({}, suite, {}, session);
+  write_night_page({}, suite, {}, session);
+  NightFiles files;
+  files.junit = folder.path("night.xml");
+  write_night_lists(files, suite, {result_with({}, {})}, session);
+  CHECK_THAT(tests::read_file(files.junit), Catch::Contains("tests=\"1\" failures=\"0\""));
+  CHECK_FALSE(std::filesystem::exists(folder.path("night.prom")));
+  files = {};
+  files.metrics = folder.path("night.prom");
+  files.html = folder.path("night.html");
+  write_night_lists(files, suite, {}, session);
+  CHECK_THAT(tests::read_file(files.metrics), Catch::Contains("tactbench"));
+  CHECK_FALSE(std::filesystem::exists(files.html));
+  write_night_page(files, suite, {}, session);
+  CHECK_THAT(tests::read_file(files.html), Catch::Contains("<html"));
+  for (std::string NightFiles::*file : {&NightFiles::junit, &NightFiles::metrics, &NightFiles::html}) {
+    NightFiles own;
+    own.*file = folder.path("diary");
+    const auto write = [&] {
+      write_night_lists(own, suite, {}, session);
+      write_night_page(own, suite, {}, session);
+    };
+    tests::write_file(own.*file, "dear diary\n");
+    session.replace = false;
+    CHECK_THROWS_AS(write(), Error);
+    session.replace = true;
+    CHECK_NOTHROW(write());
+    CHECK(tests::read_file(own.*file) != "dear diary\n");
+  }
 }

@@ -1,8 +1,10 @@
 // Pages that other programs write for the page's frame: their words, at most two at a time, what failed, and how many
 // are kept. By scripts in the place of the program.
-#include <fmt/format.h>
 
+#include <fmt/format.h>
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
 #include <chrono>
 #include <filesystem>
 #include <string>
@@ -10,6 +12,8 @@
 #include <vector>
 
 #include "bench/page/documents.h"
+#include "bench/page/frames.h"
+#include "db/run_store.h"
 #include "tests/support/process.h"
 
 using namespace tactbench;
@@ -137,4 +141,193 @@ TEST_CASE("page documents: the newest twelve files are kept unchanged, a too lar
   CHECK(made.documents.text(made.documents.keep(file).id).value_or("").size() == 32U << 20U);
   std::filesystem::resize_file(file, (32U << 20U) + 1);
   CHECK_FALSE(made.documents.text(made.documents.keep(file).id));
+}
+
+// The page's picture and loops of frames that are stored by hand: every member, and where each begins and ends.
+
+namespace {
+
+// Of a scanner with 1 mV a count.
+class FramesByHand {
+ public:
+  explicit FramesByHand(int count = 10) {
+    store.add_sensor({"S-1", "synthetic", "", db::sha256_hex(""), "SC-1", "", ""});
+    db::RunRecord run;
+    run.uuid = db::new_uuid();
+    run.origin = "simulated";
+    run.state = "prepared";
+    run.sensor_serial = "S-1";
+    run.sequences = {{0, "a", "", "", 1, count}};
+    run.devices = {{"tactile scanner", "synthetic", "SC-1", "", "simulated", R"({"volts_per_count":0.001})"}};
+    number = store.begin_run(run);
+    branch = store.begin_branch(number, {});
+  }
+  void add(double psi, std::vector<std::uint16_t> counts, int rows, int columns) {
+    db::FrameRecord frame = frame_of(psi, std::move(counts), rows, columns);
+    store.append_frame(number, frame);
+  }
+  db::FrameRecord frame_of(double psi, std::vector<std::uint16_t> counts, int rows, int columns) {
+    db::FrameRecord frame;
+    frame.branch = branch;
+    frame.ordinal = next_++;
+    frame.setpoint_psi = psi + 0.25;
+    frame.feedback_psi = psi + 0.5;
+    frame.reference_psi = psi;
+    frame.time_ns = 1'500'000'000LL * (frame.ordinal + 1);
+    frame.rows = rows;
+    frame.columns = columns;
+    frame.scans = static_cast<int>(counts.size()) / (rows * columns);
+    frame.counts = std::move(counts);
+    return frame;
+  }
+  // 2 taxels: 10 and 20 mV unloaded, as loaded as given at that pressure.
+  void add_seating(double psi, const std::vector<double>& loaded) {
+    db::CheckRecord check;
+    check.kind = "seating";
+    check.verdict = "pass";
+    check.detail_json = R"({"rows":1,"columns":2,"volts_per_count":0.001,"pressure_psi":)" + std::to_string(psi) + "}";
+    check.data = {10.0, 20.0};
+    check.data.insert(check.data.end(), loaded.begin(), loaded.end());
+    store.append_check(number, check);
+  }
+  [[nodiscard]] nlohmann::json loop(int taxel, std::int64_t after) const {
+    return bench::loop_points(store, number, taxel, after);
+  }
+
+ private:
+  tests::TemporaryFolder folder_;
+  int next_ = 0;
+
+ public:
+  db::RunStore store = db::RunStore::open(folder_.path("frames.db"), db::Durability::kNormal);
+  std::int64_t number = 0, branch = 0;
+};
+
+}  // namespace
+
+TEST_CASE("page frames: shows nothing before the first frame, then the seating check, then each newest frame") {
+  FramesByHand made;
+  bench::RunFrames shown(made.store, made.store.run(made.number));
+  CHECK_FALSE(shown.advance());
+  CHECK(shown.picture().is_null());
+  CHECK(shown.position() == 0);
+  made.add_seating(8.0, {500.0, 40.0});  // the second taxel rises by 20 mV: it is dead
+  CHECK(shown.advance());
+  CHECK_FALSE(shown.advance());
+  const nlohmann::json seated = shown.picture();
+  CHECK((seated["run"] == made.number && seated["position"] == 0 && seated["rows"] == 1 && seated["columns"] == 2));
+  CHECK((seated["full_scale_v"] == 65.535 && seated["volts"] == std::vector<double>{0.5, 0.04}));
+  CHECK((seated["dead"] == nlohmann::json::array({1}) && seated["dead_known"] == true && seated["saturated"].empty()));
+  made.add(12.5, {1000, 65535, 1002, 65535}, 1, 2);  // two scans: means of 1001 and 65535
+  CHECK(shown.advance());
+  CHECK(shown.position() == 1);
+  const nlohmann::json frame = shown.picture();
+  CHECK((frame["position"] == 1 && frame["volts"] == std::vector<double>{1.001, 65.535} &&
+         frame["saturated"] == nlohmann::json::array({1})));
+  CHECK((frame["dead"].empty() && frame["void"] == false));
+  CHECK_FALSE(shown.advance());
+  made.store.void_branch(made.branch, "again");
+  bench::RunFrames voided(made.store, made.store.run(made.number));
+  CHECK(voided.advance());
+  CHECK(voided.picture()["void"] == true);
+}
+
+TEST_CASE("page frames: a frame under an object has its force and position, and text for its flags") {
+  FramesByHand made;
+  db::FrameRecord frame = made.frame_of(0.0, {100, 200}, 1, 2);
+  frame.flags = "tilted late";
+  frame.wrench.emplace();
+  frame.wrench->target_n = 6.0;
+  frame.wrench->wrench = {0.5, -0.25, -6.25, 0.01, 0.02, 0.03};
+  frame.wrench->place_mm = {1.0, 2.0, -3.0};
+  made.store.append_frame(made.number, frame);
+  bench::RunFrames shown(made.store, made.store.run(made.number));
+  CHECK(shown.advance());
+  const nlohmann::json picture = shown.picture();
+  CHECK_THAT(picture["title"].get<std::string>(), Catch::Contains("6.25 N"));
+  CHECK(picture["press"]["target_n"] == 6.0);
+  CHECK(picture["press"]["wrench"] == nlohmann::json({0.5, -0.25, -6.25, 0.01, 0.02, 0.03}));
+  CHECK(picture["press"]["place_mm"] == nlohmann::json({1.0, 2.0, -3.0}));
+  CHECK(made.loop(0, 0) == nlohmann::json({{"run", made.number},
+                                           {"taxel", 0},
+                                           {"last", 1},
+                                           {"axis", "N"},
+                                           {"x", {6.25}},
+                                           {"y", {0.1}},
+                                           {"set", {6.0}},
+                                           {"t", {1.5}}}));
+  // Of a run with pressures, too, the loop is of the newest frame's quantity alone.
+  made.add(12.5, {300, 400}, 1, 2);
+  CHECK(made.loop(0, 0)["axis"] == "psi");
+  CHECK(made.loop(0, 0)["x"] == nlohmann::json({12.5}));
+}
+
+TEST_CASE("page frames: shows the valid frame with the highest load on request") {
+  FramesByHand made;
+  for (const double psi : {0.0, 40.0, 10.0}) made.add(psi, {static_cast<std::uint16_t>(10.0 * psi)}, 1, 1);
+  bench::RunFrames shown(made.store, made.store.run(made.number));
+  CHECK(shown.advance());
+  const nlohmann::json peak = shown.picture(true), newest = shown.picture();
+  CHECK((peak["position"] == 2 && peak["last"] == 3 && peak["peak"] == true));
+  CHECK((newest["position"] == 3 && newest["peak"] == false));
+}
+
+TEST_CASE("page frames: reads at most two hundred frames per call") {
+  FramesByHand made(450);
+  for (int i = 0; i < 450; ++i) made.add(0.1 * i, {static_cast<std::uint16_t>(i)}, 1, 1);
+  bench::RunFrames shown(made.store, made.store.run(made.number));
+  for (const int position : {200, 400, 450}) {
+    CHECK(shown.advance());
+    CHECK(shown.position() == position);
+    CHECK(shown.picture()["position"] == position);
+  }
+  CHECK_FALSE(shown.advance());
+  CHECK(shown.position() == 450);
+}
+
+TEST_CASE("page loops: mean or single taxel from a position on, rounded to 0.001 psi and 0.01 mV") {
+  FramesByHand made;
+  made.add(1.2346, {100, 201}, 1, 2);
+  made.add(2.0004, {300, 401, 302, 403}, 1, 2);
+  made.add(3.0, {500, 600}, 1, 2);
+  using Values = std::vector<double>;
+  const auto is = [&](int taxel, std::int64_t after, const Values& x, const Values& y) {
+    const nlohmann::json loop = made.loop(taxel, after);
+    CHECK((loop["last"] == 3 && loop["axis"] == "psi" && loop["x"] == x && loop["y"] == y));
+    CHECK((loop["set"].size() == x.size() && loop["t"].size() == x.size()));
+  };
+  is(-1, 0, {1.235, 2.0, 3.0}, {0.1505, 0.3515, 0.55});
+  is(0, 0, {1.235, 2.0, 3.0}, {0.1, 0.301, 0.5});
+  is(1, 0, {1.235, 2.0, 3.0}, {0.201, 0.402, 0.6});
+  is(1, 1, {2.0, 3.0}, {0.402, 0.6});
+  is(1, 2, {3.0}, {0.6});
+  is(1, 3, {}, {});
+  is(2, 0, {}, {});  // no such taxel
+  CHECK(made.loop(0, 0)["set"] == Values{1.485, 2.25, 3.25});
+  CHECK(made.loop(0, 0)["t"] == Values{1.5, 3.0, 4.5});
+  // Void branches leave no points, and the place goes on behind them.
+  made.store.void_branch(made.branch, "again");
+  is(-1, 0, {}, {});
+}
+
+TEST_CASE("page loops: are empty for a run without a scale") {
+  FramesByHand made;
+  db::RunRecord run = made.store.run(made.number);
+  run.uuid = db::new_uuid();
+  run.devices.clear();
+  const std::int64_t number = made.store.begin_run(run);
+  const nlohmann::json none = bench::loop_points(made.store, number, -1, 7);
+  CHECK((none["last"] == 7 && none["x"].empty() && none["y"].empty()));
+}
+
+TEST_CASE("page loops: have at most the newest four thousand points") {
+  FramesByHand made(4002);
+  for (int i = 0; i < 4002; ++i) made.add(0.01 * i, {static_cast<std::uint16_t>(i)}, 1, 1);
+  const nlohmann::json points = made.loop(0, 0);
+  REQUIRE(points["x"].size() == 4000);
+  CHECK(points["last"] == 4002);
+  CHECK(points["y"][0] == 0.002);
+  CHECK(points["y"][3999] == 4.001);
+  CHECK(made.loop(0, 3)["x"].size() == 3999);
+  CHECK(made.loop(0, 1)["x"].size() == 4000);
 }

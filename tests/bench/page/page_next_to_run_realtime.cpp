@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "bench/run/control/control_client.h"
-#include "tests/bench/page/raw_http.h"
+#include "tests/bench/page/served_page.h"
 #include "tests/support/endless_run.h"
 
 using namespace tactbench;

@@ -9,7 +9,7 @@
 
 #include "bench/reporting/report_budget.h"
 #include "tests/bench/config/bench_text.h"
-#include "tests/bench/reporting/judged_store.h"
+#include "tests/bench/reporting/film_runs.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -154,15 +154,11 @@ TEST_CASE("budget runs: two kelvin count as another temperature, as measured or 
     other.temperatures_c = {celsius};
     return other;
   };
-  CHECK_FALSE(differs(read(24.5)));
-  CHECK(differs(read(25.0)));
-  CHECK(differs(read(21.0)));
-  CHECK_FALSE(differs(read(21.5)));
   CHECK_FALSE(differs({}));
-  CHECK(differs(film_set({{"simulation.temperature_c", "25"}})));
-  CHECK(differs(film_set({{"simulation.temperature_c", "21"}})));
-  CHECK_FALSE(differs(film_set({{"simulation.temperature_c", "24.5"}})));
-  CHECK_FALSE(differs(film_set({{"simulation.temperature_c", "21.5"}})));
+  for (const auto& [celsius, other] : {std::pair(24.5, false), {21.5, false}, {25.0, true}, {21.0, true}}) {
+    CHECK(differs(read(celsius)) == other);
+    CHECK(differs(film_set({{"simulation.temperature_c", fmt::format("{}", celsius)}})) == other);
+  }
   db::RunRecord hardware = made.store.run(1),
                 warm = made.store.run(made.add(film_set({{"simulation.temperature_c", "40"}})));
   hardware.origin = "hardware";
@@ -282,16 +278,6 @@ const std::string kAllOpen = "history; re-mounting; temperature; time; creep; ";
 
 class NotedRuns : public FilmStore {
  public:
-  std::int64_t add_set(std::vector<std::pair<std::string, std::string>> set) {
-    FilmRun made;
-    made.set = std::move(set);
-    return add(made);
-  }
-  std::int64_t add_at(const std::string& started_utc) {
-    FilmRun made;
-    made.started_utc = started_utc;
-    return add(made);
-  }
   analysis::EvidenceRun evidence(std::int64_t run) {
     analysis::Runs runs(store);
     return bench::gather_evidence(runs, models, {film_evaluation(run, 0.5)}, film_limits(1.0), false).runs.front();
@@ -313,29 +299,25 @@ class NotedRuns : public FilmStore {
 
 }  // namespace
 
-TEST_CASE("noted conditions: a judged run equal to that of the models leaves five uncertainty sources open") {
+TEST_CASE("noted conditions: five uncertainty sources are open, each is closed by a judged run that varies it") {
   NotedRuns made;
   (void)made.add();
-  const std::int64_t same = made.add();
+  const std::int64_t same = made.add();  // equal to the run of the models
   CHECK(made.evidence(same).trajectory.trajectory == analysis::Trajectory::kAsFitted);
   CHECK(made.missing(same) == kAllOpen);
-}
-
-TEST_CASE("noted conditions: each uncertainty source is closed by a judged run that varies it") {
-  NotedRuns made;
-  (void)made.add();
-  const std::int64_t same = made.add(), mounted = made.add_set({{"simulation.mount_seed", "1"}});
+  const std::int64_t mounted = made.add(film_set({{"simulation.mount_seed", "1"}}));
   CHECK(made.missing(mounted) == "history; temperature; time; creep; ");
   const std::string later = "history; re-mounting; temperature; creep; ";
-  CHECK(made.missing(made.add_set({{"simulation.age_months", "1"}})) == later);
-  CHECK(made.missing(made.add_set({{"simulation.temperature_c", "40"}})) == "history; re-mounting; time; creep; ");
+  CHECK(made.missing(made.add(film_set({{"simulation.age_months", "1"}}))) == later);
+  CHECK(made.missing(made.add(film_set({{"simulation.temperature_c", "40"}}))) ==
+        "history; re-mounting; time; creep; ");
   FilmRun other_way;
   other_way.levels = {0.0, 60.0, 30.0, 60.0, 0.0};
   CHECK(made.missing(made.add(other_way)) == "re-mounting; temperature; time; creep; ");
   // A day, and a second more, in either direction.
-  CHECK(made.missing(made.add_at("2026-03-02T00:00:00Z")) == kAllOpen);
-  CHECK(made.missing(made.add_at("2026-03-02T00:00:01Z")) == later);
-  CHECK(made.missing(made.add_at("2026-02-27T23:59:59Z")) == later);
+  CHECK(made.missing(made.add(film_at("2026-03-02T00:00:00Z"))) == kAllOpen);
+  CHECK(made.missing(made.add(film_at("2026-03-02T00:00:01Z"))) == later);
+  CHECK(made.missing(made.add(film_at("2026-02-27T23:59:59Z"))) == later);
   made.models.dynamics.emplace();
   made.models.dynamics->creep.run = 9;  // lag and creep from holds
   CHECK(made.missing(same) == "history; re-mounting; temperature; time; ");
@@ -372,8 +354,8 @@ TEST_CASE(
     return fmt::format("{} {} {}", judged.dwell_s, judged.fitted_dwell_s, judged.other_dwell);
   };
   CHECK(dwells(made.add()) == "2 2 false");
-  CHECK(dwells(made.add_set({{"recipe.dwell_s", "5"}})) == "5 2 true");
-  CHECK(dwells(made.add_set({{"recipe.dwell_s", "[1, 4]"}})) == "2.5 2 true");
+  CHECK(dwells(made.add(film_set({{"recipe.dwell_s", "5"}}))) == "5 2 true");
+  CHECK(dwells(made.add(film_set({{"recipe.dwell_s", "[1, 4]"}}))) == "2.5 2 true");
   FilmRun unread;
   unread.recipe = "none";
   unread.dwells_s = {3.0, 3.0};

@@ -41,8 +41,7 @@ void budget_run(const TemporaryFolder& folder, const std::string& recipe, const 
 const TemporaryFolder& budget_runs() {
   static const TemporaryFolder folder;
   static const bool made = [&] {
-    REQUIRE(call(folder, {"init"}).code == 0);
-    REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
+    init_bench(folder);
     write_file(folder.path("loops.toml"), kBudgetLoops);
     const std::string warm = "simulation.temperature_c=28", once = "recipe.repeats=1";
     budget_run(folder, "loops.toml", {kThermometer});
@@ -60,12 +59,8 @@ const TemporaryFolder& budget_runs() {
   return folder;
 }
 
-json reading_of(const TemporaryFolder& folder, std::vector<std::string> words) {
-  words.insert(words.end(), {"--format", "json", "-o", "r.json"});
-  const Finished made = call(folder, words);
-  INFO(made.err);
-  REQUIRE((made.code == 0 || made.code == 6));
-  return json::parse(read_file(folder.path("r.json")))["sections"]["uncertainty"]["reading"];
+json reading_of(const TemporaryFolder& folder, const std::vector<std::string>& words) {
+  return report_data(folder, words)["sections"]["uncertainty"]["reading"];
 }
 
 struct Coverage {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bench/reporting/judgement.h"
-#include "tests/bench/reporting/judged_store.h"
+#include "tests/bench/reporting/film_runs.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -308,7 +308,7 @@ TEST_CASE("valid verdicts: a void run and models of a void run have no verdict")
   CHECK(made.judgement(2) == "| | not judged");
 }
 
-TEST_CASE("valid verdicts: with several limits the newest decide, but a fail by any counts") {
+TEST_CASE("valid verdicts: with several limits or fits the newest decide, but a fail by any counts") {
   StandingByHand made;
   made.add_runs(2);
   const std::int64_t fit = made.add_fit(1);
@@ -322,15 +322,12 @@ TEST_CASE("valid verdicts: with several limits the newest decide, but a fail by 
   made.judge(2, fit, "e", {"pass"});
   CHECK(made.decided(2) == "fail");
   CHECK(made.judgement(2) == "2 on 1: pass; | 2 on 1: inconclusive; 2 on 1: conditional pass; 2 on 1: fail; | ");
-}
-
-TEST_CASE("valid verdicts: of two fits with the same run the newest gives the judgement") {
-  StandingByHand made;
-  made.add_runs(2);
-  const std::int64_t first = made.add_fit(1, "gpi"), second = made.add_fit(1);
-  made.judge(2, first, "a", {"fail"});
-  made.judge(2, second, "a", {"pass", "pass"});
-  CHECK(made.judgement(2) == "2 on 1: pass; 2 on 1: pass; | 2 on 1: fail; | ");
+  StandingByHand twice;
+  twice.add_runs(2);
+  const std::int64_t first = twice.add_fit(1, "gpi"), second = twice.add_fit(1);
+  twice.judge(2, first, "a", {"fail"});
+  twice.judge(2, second, "a", {"pass", "pass"});
+  CHECK(twice.judgement(2) == "2 on 1: pass; 2 on 1: pass; | 2 on 1: fail; | ");
 }
 
 TEST_CASE("valid verdicts: a pass rests on means only if no requirement is for single readings") {

@@ -14,6 +14,7 @@
 #include "bench/reporting/evaluation.h"
 #include "bench/run/recipe_check.h"
 #include "tests/analysis/report/report_example.h"
+#include "tests/bench/run/quick_store.h"
 #include "tests/support/process.h"
 #include "tests/support/run_recipe.h"
 #include "tests/support/small_run.h"
@@ -128,8 +129,7 @@ void check_left_out(const JudgedReport& judged, const analysis::Dataset& dataset
 }  // namespace
 
 TEST_CASE("report: of a defective sensor it lists exactly the planted defects, and excludes those taxels") {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  QuickStore store;
   const std::int64_t good = run_with(store, 1, [](auto&) {});
   const std::int64_t bad = run_with(store, 2, [](std::vector<TaxelDefect>& defects) {
     swap_rows(defects, 3, 11);
@@ -186,14 +186,6 @@ const char* const kLoops =
     "schema = 1\nname = \"loops\"\nunit = \"psi\"\nturning_points = [0, 60, 20, 60, 0, 60, 40, 60, 0]\nstep = 4\n"
     "repeats = 2\ndwell_s = 1.0\n[conditioning]\ncycles = 2\npeak = 60\n";
 
-json report_of(const TemporaryFolder& folder, std::vector<std::string> words) {
-  words.insert(words.end(), {"--format", "json", "-o", "r.json"});
-  const Finished made = call(folder, words);
-  INFO(made.err);
-  REQUIRE((made.code == 0 || made.code == 6));
-  return json::parse(read_file(folder.path("r.json")));
-}
-
 void check_as_found(const json& report, const analysis::Evaluation& found) {
   const json& data = report["sections"]["as_found"];
   CHECK(data["mean_error_psi"].get<double>() == Approx(found.mean_error_psi).epsilon(1e-9));
@@ -247,8 +239,7 @@ void check_contact(const json& report, const db::RunStore& store, std::int64_t r
 
 TEST_CASE("report: models, compensation, studies and objects equal those computed from the store") {
   const TemporaryFolder folder;
-  REQUIRE(call(folder, {"init"}).code == 0);
-  REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
+  init_bench(folder);
   write_file(folder.path("loops.toml"), kLoops);
   run_recipe(folder, "loops.toml", {"--seed", "1"});
   run_recipe(folder, "loops.toml",
@@ -259,7 +250,7 @@ TEST_CASE("report: models, compensation, studies and objects equal those compute
   run_recipe(folder, "rate-ramp");
   for (const char* run : {"1", "2"}) REQUIRE(call(folder, {"fit", run, "--model", "elam"}).code == 0);
 
-  const json report = report_of(
+  const json report = report_data(
       folder, {"report", "2", "--previous", "1", "--held-out", "1", "--studies", "3", "4", "5", "6", "1:mount"});
   const db::RunStore store = db::RunStore::open_read_only(folder.path("runs.db"));
   const analysis::Dataset dataset = analysis::load_dataset(store, 2);
@@ -290,14 +281,13 @@ TEST_CASE("report: models, compensation, studies and objects equal those compute
 
 TEST_CASE("as found: earlier models give the same result as a file and as a stored fit") {
   const TemporaryFolder folder;
-  REQUIRE(call(folder, {"init"}).code == 0);
-  REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
+  init_bench(folder);
   write_file(folder.path("loops.toml"), kLoops);
   run_recipe(folder, "loops.toml", {"--set", "recipe.repeats=1"});
   REQUIRE(call(folder, {"fit", "1"}).code == 0);
   REQUIRE(call(folder, {"model", "export", "1", "-o", "m.json"}).code == 0);
-  const json from_store = report_of(folder, {"report", "1", "--previous", "1"});
-  const json from_file = report_of(folder, {"report", "1", "--previous", "m.json"});
+  const json from_store = report_data(folder, {"report", "1", "--previous", "1"});
+  const json from_file = report_data(folder, {"report", "1", "--previous", "m.json"});
   const json &a = from_store["sections"]["as_found"], &b = from_file["sections"]["as_found"];
   CHECK(a == b);
   // Found with its own models, the run is as it was left.

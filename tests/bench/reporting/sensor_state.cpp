@@ -16,7 +16,6 @@
 #include "db/run_store.h"
 #include "tests/bench/cli/verb_here.h"
 #include "tests/bench/reporting/film_runs.h"
-#include "tests/bench/reporting/judged_store.h"
 #include "tests/support/process.h"
 
 using namespace tactbench;

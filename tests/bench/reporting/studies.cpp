@@ -12,7 +12,7 @@
 #include "bench/reporting/report_results.h"
 #include "bench/reporting/study_roles.h"
 #include "db/run_store.h"
-#include "tests/bench/reporting/judged_store.h"
+#include "tests/bench/reporting/film_runs.h"
 #include "tests/support/process.h"
 
 using namespace tactbench;

@@ -8,7 +8,7 @@
 
 #include "bench/common/error.h"
 #include "bench/reporting/evaluation.h"
-#include "tests/bench/reporting/judged_store.h"
+#include "tests/bench/reporting/film_runs.h"
 #include "tests/bench/reporting/verified_store.h"
 
 using namespace tactbench;

@@ -1,9 +1,10 @@
 // Another program that has locked the store while a run measures, in real time: what the chamber does meanwhile (the
 // plant's truth), what is measured and kept, and who is named. Without a waiting run each lock beyond 5 s ended it.
+
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 #include <algorithm>
-#include <catch2/catch.hpp>
 #include <memory>
 #include <string>
 #include <thread>
@@ -12,9 +13,13 @@
 
 #include "bench/guard/trip.h"
 #include "db/run_store.h"
+#include "tests/bench/run/quick_store.h"
 #include "tests/support/child_process.h"
 #include "tests/support/hosted_rig.h"
+#include "tests/support/in_terminal.h"
 #include "tests/support/live_runs.h"
+#include "tests/support/process.h"
+#include "tests/support/run_recipe.h"
 #include "tests/support/small_run.h"
 
 using namespace tactbench;
@@ -51,21 +56,11 @@ bool is_reported(const db::RunStore& store, const std::string& kind, const std::
 struct HeldRun {
   explicit HeldRun(const char* watchdog_ms)
       : rig(std::vector<sequences::Override>{{"module.watchdog_ms", watchdog_ms}}) {
-    write_file(rig.folder.path("hold.toml"),
-               "schema = 1\nname = \"hold\"\nunit = \"psi\"\n"
-               "turning_points = [20, 30, 20]\nstep = 10\ndwell_s = 0.5\n");
-    const std::string type = bench::find_config("sensor.toml");
-    REQUIRE(
-        run_program(program_path(), {"sensors", "add", "S-1", "--type", type, "--db", db}, rig.folder.path()).code ==
-        0);
-    run = std::make_unique<ChildProcess>(std::vector<std::string>{
-        program_path(), "run", rig.folder.path("hold.toml"), "--no-seating", "--bench", rig.folder.path("bench.toml"),
-        "--sensor", "S-1", "--operator", "t", "-q", "--db", db});
     REQUIRE(HostedRig::seconds_until([&] { return rig.psi() > 25.0; }, 60.0) < 60.0);
   }
   HostedRig rig;
   const std::string db = rig.folder.path("runs.db");
-  std::unique_ptr<ChildProcess> run;
+  std::unique_ptr<ChildProcess> run = rig.begin_run("[20, 30, 20]\nstep = 10\ndwell_s = 0.5\n");
 };
 
 }  // namespace
@@ -129,8 +124,7 @@ TEST_CASE("locked store: a longer lock is waited for vented, then the branch is 
 TEST_CASE("locked store: in virtual time a short lock changes no frame, and a lock at the end changes no outcome") {
   using Measured = std::vector<std::tuple<std::int64_t, double, std::vector<std::uint16_t>>>;
   const auto measured = [](bool locked) {
-    const TemporaryFolder folder;
-    db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+    QuickStore store;
     std::unique_ptr<OtherWriter> other;
     bench::RunRequest request = small_request();
     int steps = 0;
@@ -155,8 +149,7 @@ TEST_CASE("locked store: in virtual time a short lock changes no frame, and a lo
 }
 
 TEST_CASE("locked store: a stop ends a run that waits for the store, vented, and the next start closes its row") {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  QuickStore store;
   std::unique_ptr<OtherWriter> other;
   bench::RunRequest request = small_request();
   int steps = 0, steps_while_locked = 0;
@@ -188,4 +181,29 @@ TEST_CASE("locked store: a stop ends a run that waits for the store, vented, and
   CHECK_FALSE(resumed.error);
   CHECK(store.frame_count(1) >= kept);
   CHECK(store.check_content(1).holds());
+}
+
+// A run that asks the person at its terminal.
+
+TEST_CASE("prompt: the question of a recipe is asked at the terminal, and Enter answers it") {
+  const TemporaryFolder folder;
+  write_file(folder.path("asked.toml"),
+             "schema = 1\nname = \"asked\"\nunit = \"psi\"\nturning_points = [0, 8, 0]\nstep = 4\n[prompt]\nbefore = "
+             "\"mount the sensor\"\n");
+  init_bench(folder);
+  InTerminal run(folder.path(),
+                 {"run", "asked.toml", "--bench", "bench.toml", "--set", "bench.id=\"asked\"", "--sensor", "S-1",
+                  "--operator", "A. Smith", "--no-seating"},
+                 100, 40);
+  REQUIRE(run.shows("tactbench resume 1"));
+  run.type("\n");
+  CHECK(run.wait() == 0);
+  CHECK_THAT(run.shown(), Catch::Contains("mount the sensor"));
+  const db::RunStore store = db::RunStore::open_read_only(folder.path("runs.db"));
+  std::vector<std::string> states;
+  for (const db::EventRecord& event : store.events(1)) {
+    if (event.kind == "state") states.push_back(event.detail.substr(0, event.detail.find(':')));
+  }
+  CHECK(states == std::vector<std::string>{"prepared -> running", "running -> pausing", "pausing -> paused",
+                                           "paused -> running", "running -> stopping"});
 }

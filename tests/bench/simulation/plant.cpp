@@ -106,7 +106,7 @@ TEST_CASE("plant: the watchdog fallback acts at its own time, whatever the query
   CHECK(pressure_after(2903ms, true) == late);
 }
 
-TEST_CASE("plant: a command whose watchdog time has passed applies the fallback at once") {
+TEST_CASE("plant: a command with an expired watchdog time applies the fallback at once") {
   PlantRig rig;
   rig.hold(20.0, 3s);
   rig.plant.drive(plant_volts_for(40.0), rig.clock.now() - 1ms, plant_volts_for(0.0));

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bench/simulation/plant.h"
-#include "tests/bench/simulation/lone_stage.h"
+#include "tests/bench/simulation/small_plant.h"
 
 namespace tactbench::bench {
 namespace {

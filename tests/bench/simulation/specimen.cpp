@@ -13,7 +13,6 @@
 #include "bench/config/config.h"
 #include "bench/simulation/plant.h"
 #include "tests/bench/config/bench_text.h"
-#include "tests/bench/simulation/harsh_sensor.h"
 #include "tests/bench/simulation/specimen_runs.h"
 
 namespace tactbench::bench::testing {

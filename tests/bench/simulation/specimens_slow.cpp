@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "bench/simulation/specimen.h"
-#include "tests/bench/simulation/harsh_sensor.h"
 #include "tests/bench/simulation/specimen_runs.h"
 #include "tests/benchmarks/study/specimen.h"
 #include "tests/benchmarks/study/specimen_walk.h"

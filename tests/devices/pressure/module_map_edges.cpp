@@ -265,13 +265,11 @@ TEST_CASE("module map: registers have their power-up values, and writes to read-
 
 namespace {
 
-using Words = std::vector<std::uint16_t>;
 constexpr int kOutputWord = 0x0800;
 
-struct FailSafeUnit {
-  explicit FailSafeUnit(const SimulatedUnit& unit) : registers(unit, chamber, clock) {}
-  explicit FailSafeUnit(const ModuleProfile& profile = module_profile("beckhoff-ek9000"))
-      : FailSafeUnit(SimulatedUnit{1, profile, {}}) {}
+struct FailSafeUnit : MapUnit {
+  using MapUnit::MapUnit;
+  FailSafeUnit() : MapUnit(module_profile("beckhoff-ek9000")) {}
   Refusal write(int client, int address, const Words& words) {
     registers.turn();
     return registers.write(client, address, words);
@@ -292,9 +290,6 @@ struct FailSafeUnit {
     CHECK_FALSE(drives_at(clock.now() + 1s));
     CHECK(write(1, kOutputWord, {1000}) == Refusal::kFailure);
   }
-  ManualClock clock;
-  TestChamber chamber{clock};
-  ModuleRegisters registers;
 };
 
 }  // namespace

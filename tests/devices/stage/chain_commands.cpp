@@ -3,7 +3,7 @@
 #include <limits>
 #include <string>
 
-#include "tests/devices/stage/chain_bench.h"
+#include "tests/devices/stage/scripted_chain.h"
 
 using namespace tactbench::devices;
 using namespace std::chrono_literals;
@@ -61,17 +61,21 @@ TEST_CASE("simulated Zaber device: answers each known instruction under its own 
     CHECK(replies[0].id == 5);
     return std::pair(replies[0].command, replies[0].data);
   };
-  CHECK(answer(kDeviceId, 1) == std::pair(kDeviceId, 5082));
-  CHECK(answer(kFirmware, 1) == std::pair(kFirmware, 521));
-  CHECK(answer(kSupplyVoltage, 1) == std::pair(kSupplyVoltage, 144));
-  CHECK(answer(kStatus, 1) == std::pair(kStatus, 0));
-  CHECK(answer(kEcho, 1234) == std::pair(kEcho, 1234));
-  CHECK(answer(kPosition, 1) == std::pair(kPosition, 0));
-  CHECK(answer(kRestoreSettings, 0) == std::pair(kRestoreSettings, 0));
-  CHECK(answer(kRestoreSettings, 1) == std::pair(kError, 36));
-  CHECK(answer(kRestoreSettings, -1) == std::pair(kError, 36));
-  CHECK(answer(kReturnSetting, 40) == std::pair(kMode, 0));
-  CHECK(answer(kReturnSetting, 45) == std::pair(kSetPosition, 0));
+  using Says = std::pair<ZaberCommand, std::int32_t>;
+  for (const auto& [asked, said] : std::vector<std::pair<Says, Says>>{{{kDeviceId, 1}, {kDeviceId, 5082}},
+                                                                      {{kFirmware, 1}, {kFirmware, 521}},
+                                                                      {{kSupplyVoltage, 1}, {kSupplyVoltage, 144}},
+                                                                      {{kStatus, 1}, {kStatus, 0}},
+                                                                      {{kEcho, 1234}, {kEcho, 1234}},
+                                                                      {{kPosition, 1}, {kPosition, 0}},
+                                                                      {{kRestoreSettings, 0}, {kRestoreSettings, 0}},
+                                                                      {{kRestoreSettings, 1}, {kError, 36}},
+                                                                      {{kRestoreSettings, -1}, {kError, 36}},
+                                                                      {{kReturnSetting, 40}, {kMode, 0}},
+                                                                      {{kReturnSetting, 45}, {kSetPosition, 0}}}) {
+    INFO(name(asked.first));
+    CHECK(answer(asked.first, asked.second) == said);
+  }
   // 44 + 256 and 44 - 256: no other number is taken for it.
   for (const std::int32_t none : {36, 50, 60, 0, -1, 255, 256, 300, -212}) {
     INFO(none);
@@ -133,15 +137,6 @@ TEST_CASE("simulated Zaber device: moves must end within its travel, both ends i
   bench.moves(kMoveRelative, 500, 500);
   CHECK(bench.error_of(kMoveRelative, -501) == 2146);
   bench.moves(kMoveRelative, -500, 0);
-}
-
-TEST_CASE("simulated Zaber device: constant speeds are limited to 512 times the resolution less one") {
-  ChainBench bench;
-  bench.home();
-  CHECK(bench.error_of(kConstantSpeed, 32768) == 22);
-  CHECK(bench.error_of(kConstantSpeed, -32768) == 22);
-  CHECK(bench.send(kConstantSpeed, 32767) == std::vector<ZaberFrame>{{1, kConstantSpeed, 32767, 5}});
-  CHECK(bench.send(kConstantSpeed, -32767) == std::vector<ZaberFrame>{{1, kConstantSpeed, -32767, 5}});
 }
 
 TEST_CASE("simulated Zaber device: is busy for every move while homing, and for a stop if set so") {
@@ -240,35 +235,40 @@ TEST_CASE("simulated Zaber device: a move is answered when it ends, a replaced m
 }
 
 TEST_CASE("simulated Zaber device: starts with the settings of its model and its options") {
-  ChainBench bench;
-  CHECK(bench.setting(kResolution) == 64);
-  CHECK(bench.setting(kRunningCurrent) == 10);
-  CHECK(bench.setting(kHoldCurrent) == 20);
-  CHECK(bench.setting(kMode) == 0);
-  CHECK(bench.setting(kHomeSpeed) == 2922);
-  CHECK(bench.setting(kTargetSpeed) == 2922);
-  CHECK(bench.setting(kAcceleration) == 111);
-  CHECK(bench.setting(kMaximumPosition) == 604724);  // 60 mm in steps of 1.27 mm / 200 / 64
-  CHECK(bench.setting(kMaximumRelativeMove) == 604724);
-  CHECK(bench.setting(kHomeOffset) == 0);
-  CHECK(bench.setting(kAlias) == 0);
-  CHECK(bench.setting(kLock) == 0);
-  CHECK(bench.setting(kSetPosition) == 0);  // it returns the position
-
+  using Settings = std::vector<std::pair<ZaberCommand, std::int32_t>>;
+  const auto check = [](ChainBench bench, const Settings& settings) {
+    for (const auto& [setting, value] : settings) {
+      INFO(name(setting));
+      CHECK(bench.setting(setting) == value);
+    }
+  };
+  // 60 mm in steps of 1.27 mm / 200 / 64; the setting of the position returns the position.
+  check(ChainBench(), {{kResolution, 64},
+                       {kRunningCurrent, 10},
+                       {kHoldCurrent, 20},
+                       {kMode, 0},
+                       {kHomeSpeed, 2922},
+                       {kTargetSpeed, 2922},
+                       {kAcceleration, 111},
+                       {kMaximumPosition, 604724},
+                       {kMaximumRelativeMove, 604724},
+                       {kHomeOffset, 0},
+                       {kAlias, 0},
+                       {kLock, 0},
+                       {kSetPosition, 0}});
   ChainDeviceOptions options;
   options.device_id = 5082;
   options.home_speed = 11;
   options.target_speed = 12;
   options.acceleration = 13;
   options.mode = kZaberHomed | kZaberKnobOff;
-  ChainBench other(options);
-  CHECK(other.setting(kMaximumPosition) == 1066666);  // 50.8 mm in steps of 0.6096 mm / 200 / 64
-  CHECK(other.setting(kMaximumRelativeMove) == 1066666);
-  CHECK(other.setting(kHomeSpeed) == 11);
-  CHECK(other.setting(kTargetSpeed) == 12);
-  CHECK(other.setting(kAcceleration) == 13);
-  CHECK(other.setting(kMode) == kZaberKnobOff);  // no home after power-up
-
+  // 50.8 mm in steps of 0.6096 mm / 200 / 64; no home after power-up.
+  check(ChainBench(options), {{kMaximumPosition, 1066666},
+                              {kMaximumRelativeMove, 1066666},
+                              {kHomeSpeed, 11},
+                              {kTargetSpeed, 12},
+                              {kAcceleration, 13},
+                              {kMode, kZaberKnobOff}});
   options.device_id = 7;  // a model that is in no table has the units of the T-LA60A
   ChainBench unknown(options);
   CHECK(unknown.read(kDeviceId) == 7);
@@ -321,17 +321,21 @@ TEST_CASE("simulated Zaber device: each reserved mode bit is refused with its ow
   CHECK(bench.setting(kMode) == 0);
 }
 
-TEST_CASE("simulated Zaber device: the limits of speeds and acceleration follow from the resolution") {
-  ChainBench bench;
-  bench.send(kResolution, 32);  // 512 * 32 - 1
-  for (const auto& [setting, error] :
-       {std::pair(kHomeSpeed, 41), std::pair(kTargetSpeed, 42), std::pair(kAcceleration, 43)}) {
-    CHECK(bench.error_of(setting, 16383) == 0);
-    CHECK(bench.error_of(setting, 16384) == error);
+TEST_CASE("simulated Zaber device: speeds and acceleration are limited to 512 times the resolution less one") {
+  for (const auto& [resolution, most] : {std::pair(64, 32767), std::pair(32, 16383)}) {
+    ChainBench bench;
+    bench.send(kResolution, resolution);
+    for (const auto& [setting, error] :
+         {std::pair(kHomeSpeed, 41), std::pair(kTargetSpeed, 42), std::pair(kAcceleration, 43)}) {
+      CHECK(bench.error_of(setting, most) == 0);
+      CHECK(bench.error_of(setting, most + 1) == error);
+    }
+    bench.home();
+    for (const std::int32_t fastest : {most, -most}) {
+      CHECK(bench.error_of(kConstantSpeed, fastest + fastest / most) == 22);
+      CHECK(bench.send(kConstantSpeed, fastest) == std::vector<ZaberFrame>{{1, kConstantSpeed, fastest, 5}});
+    }
   }
-  bench.home();
-  CHECK(bench.error_of(kConstantSpeed, 16384) == 22);
-  CHECK(bench.error_of(kConstantSpeed, 16383) == 0);
 }
 
 TEST_CASE("simulated Zaber device: firmware before 5.23 refuses a maximum below the present position") {

@@ -1,10 +1,16 @@
 // Motion of the simulated device by the clock: when and where it is, what it reports meanwhile, how an axis sticks.
+
 #include <catch2/catch.hpp>
 
-#include "tests/devices/stage/chain_bench.h"
+#include <cmath>
+#include <random>
+#include <vector>
 
-using namespace tactbench::devices;
+#include "devices/stage/motion_profile.h"
+#include "tests/devices/stage/scripted_chain.h"
+
 using namespace std::chrono_literals;
+using namespace tactbench::devices;
 using enum ZaberCommand;
 
 namespace {
@@ -251,4 +257,138 @@ TEST_CASE("simulated Zaber device: remembers its last 256 changes of motion, and
   CHECK(steps_at(first) == Approx(5000));
   CHECK(steps_at(30s) == Approx(5000));
   CHECK(steps_at(second) == Approx(1000));
+}
+
+// Motions of one simulated axis by constant acceleration, worked out by hand.
+
+namespace {
+
+struct MotionAt {
+  double time, position, velocity;
+};
+
+void check_motion(const MotionProfile& profile, double duration, const std::vector<MotionAt>& points) {
+  CHECK(profile.duration() == Approx(duration).margin(1e-12));
+  for (const MotionAt& point : points) {
+    INFO("after " << point.time << " s");
+    CHECK(profile.position(point.time) == Approx(point.position).margin(1e-12));
+    CHECK(profile.velocity(point.time) == Approx(point.velocity).margin(1e-12));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("motion profile: an axis at rest keeps its position") {
+  const MotionProfile stands(3.0);
+  CHECK(stands.end() == 3.0);
+  check_motion(stands, 0.0, {{-1.0, 3.0, 0.0}, {0.0, 3.0, 0.0}, {5.0, 3.0, 0.0}});
+  const MotionProfile there = MotionProfile::to(3.0, 0.0, 3.0, 2.0, 1.0);
+  CHECK(there.end() == 3.0);
+  check_motion(there, 0.0, {{-1.0, 3.0, 0.0}, {0.0, 3.0, 0.0}, {5.0, 3.0, 0.0}});
+  CHECK(MotionProfile().end() == 0.0);
+}
+
+TEST_CASE("motion profile: follows ramps calculated from its equations, in both directions") {
+  struct Motion {
+    double from, velocity, target, speed, acceleration, duration;
+    std::vector<MotionAt> points;
+  };
+  const double t = 0.015625;
+  const std::vector<Motion> motions{
+      // 2 s at 1/s^2 to a speed of 2 over a distance of 2, the same at the end, 6 at a speed of 2 between.
+      {100,
+       0,
+       110,
+       2,
+       1,
+       7,
+       {{-1, 100, 0},
+        {0, 100, 0},
+        {1, 100.5, 1},
+        {2, 102, 2},
+        {3.5, 105, 2},
+        {5, 108, 2},
+        {6, 109.5, 1},
+        {7, 110, 0},
+        {9, 110, 0}}},
+      // Short ones never reach their speed. A distance of 1/64 at 1/s^2: 1/8 s up, 1/8 s down.
+      {0, 0, 4, 10, 1, 4, {{1, 0.5, 1}, {2, 2, 2}, {3, 3.5, 1}}},
+      {0, 0, 0.015625, 10, 1, 0.25, {{0.0625, 0.001953125, 0.0625}, {0.125, 0.0078125, 0.125}, {0.25, 0.015625, 0}}},
+      // Of milliseconds: 1/64 s at 128/s^2 to a speed of 2 over 1/64, as long at this speed over 2/64, and 1/64 to
+      // rest.
+      {0,
+       0,
+       4 * t,
+       2,
+       128,
+       3 * t,
+       {{t / 2, t / 4, 1}, {t, t, 2}, {1.5 * t, 2 * t, 2}, {2 * t, 3 * t, 2}, {2.5 * t, 3.75 * t, 1}}},
+      // A start above the set speed: from 4 to 2 in 2 s over 6, 12 at 2 in 6 s, then 2 s over 2 to rest.
+      {0, 4, 20, 2, 1, 10, {{0, 0, 4}, {1, 3.5, 3}, {2, 6, 2}, {5, 12, 2}, {8, 18, 2}, {9, 19.5, 1}}},
+      // Already on its way: v^2 = d + v0^2 / 2 = 7/32 + 1/32, so that it speeds up from 1/4 to 1/2 and down to rest.
+      {0, 0.25, 0.21875, 10, 1, 0.75, {{0.25, 0.09375, 0.5}, {0.5, 0.1875, 0.25}}},
+      // It needs all of the distance to slow down.
+      {0, 4, 8, 10, 1, 4, {{1, 3.5, 3}, {2, 6, 2}, {3, 7.5, 1}}},
+      // Away from its target: from 0 at -2 to rest at -2 in 2 s, then 4 to the target at 2: 2 s up to 2, 2 s down.
+      {0, -2, 2, 10, 1, 6, {{0, 0, -2}, {1, -1.5, -1}, {2, -2, 0}, {4, 0, 2}, {5, 1.5, 1}, {6, 2, 0}}},
+      // Slowly away: 1/16 s to rest 1/512 behind, then 1/64 - 1/512 in front of it.
+      {0, -0.0625, 0.029296875, 10, 1, 0.0625 + 2 * 0.176776695296637, {{0.0625, -0.001953125, 0}}},
+      // Too fast to stop at its target: from 4 to rest at 8 in 4 s, then back over 4: 2 s up to 2, 2 s down.
+      {0, 4, 4, 10, 1, 8, {{0, 0, 4}, {2, 6, 2}, {4, 8, 0}, {6, 6, -2}, {7, 4.5, -1}, {8, 4, 0}}},
+      // At its target and moving: to rest 8 beyond it in 4 s, back with at most 2: 2 s over 2, 2 s over 4, 2 s.
+      {0, 4, 0, 2, 1, 10, {{4, 8, 0}, {6, 6, -2}, {8, 2, -2}, {9, 0.5, -1}}}};
+  for (const Motion& one : motions) {
+    for (const double way : {1.0, -1.0}) {
+      CAPTURE(way, one.from, one.velocity, one.target);
+      const MotionProfile profile =
+          MotionProfile::to(way * one.from, way * one.velocity, way * one.target, one.speed, one.acceleration);
+      CHECK(profile.end() == way * one.target);
+      std::vector<MotionAt> points = one.points;
+      for (MotionAt& point : points) point = {point.time, way * point.position, way * point.velocity};
+      check_motion(profile, one.duration, points);
+    }
+  }
+}
+
+TEST_CASE("motion profile: a motion brought to rest ends at its stopping distance, in both directions") {
+  const double way = GENERATE(1.0, -1.0);
+  const MotionProfile fast = MotionProfile::to_rest(10.0, way * 4.0, 2.0);
+  CHECK(fast.end() == 10.0 + way * 4.0);
+  check_motion(fast, 2.0,
+               {{-1.0, 10.0, way * 4.0},
+                {0.0, 10.0, way * 4.0},
+                {1.0, 10.0 + way * 3.0, way * 2.0},
+                {2.0, 10.0 + way * 4.0, 0.0},
+                {3.0, 10.0 + way * 4.0, 0.0}});
+  const MotionProfile slow = MotionProfile::to_rest(0.0, way * 0.0625, 1.0);
+  check_motion(slow, 0.0625, {{0.03125, way * 0.00146484375, way * 0.03125}, {0.0625, way * 0.001953125, 0.0}});
+  const MotionProfile stands = MotionProfile::to_rest(5.0, 0.0, 2.0);
+  CHECK(stands.end() == 5.0);
+  check_motion(stands, 0.0, {{0.0, 5.0, 0.0}, {1.0, 5.0, 0.0}});
+}
+
+TEST_CASE("motion profile: is continuous, never exceeds its speed and ends at rest at its target") {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> place(-100.0, 100.0);
+  std::uniform_real_distribution<double> pace(-10.0, 10.0);
+  std::uniform_real_distribution<double> positive(0.5, 20.0);
+  for (int i = 0; i < 500; ++i) {
+    const double from = place(random);
+    const double velocity = pace(random);
+    const double target = place(random);
+    const double speed = positive(random);
+    const double acceleration = positive(random);
+    const MotionProfile profile = MotionProfile::to(from, velocity, target, speed, acceleration);
+    const double step = profile.duration() / 400;
+    const double bound = std::max(std::abs(velocity), speed) + 1e-9;
+    REQUIRE(profile.position(0.0) == Approx(from).margin(1e-9));
+    for (int k = 0; k < 400; ++k) {
+      REQUIRE(std::abs(profile.velocity(k * step)) <= bound);
+      REQUIRE(std::abs(profile.position((k + 1) * step) - profile.position(k * step)) <= bound * step + 1e-6);
+    }
+    REQUIRE(profile.position(profile.duration()) == target);
+    REQUIRE(profile.velocity(profile.duration()) == 0.0);
+    const MotionProfile rest = MotionProfile::to_rest(from, velocity, acceleration);
+    REQUIRE(rest.position(rest.duration() * (1 - 1e-9)) == Approx(rest.end()).margin(1e-6));
+  }
 }

@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "tests/devices/fault_of.h"
-#include "tests/devices/stage/zaber_rig.h"
+#include "tests/devices/stage/scripted_chain.h"
 
 using namespace tactbench::devices;
 using namespace std::chrono_literals;

@@ -355,14 +355,11 @@ TEST_CASE("Zaber stage: a refused move is over") {
   CHECK(alone.sent().empty());
 }
 
-TEST_CASE("Zaber stage: homing sends one instruction, waits for its answer and checks the homed bit") {
+TEST_CASE(
+    "Zaber stage: homing and stopping send one instruction and wait for its answer, homing checks the homed bit") {
   ReadyStage alone;
   alone.stage.home(Axis::kX);
   CHECK(alone.sent() == std::vector<ZaberFrame>{{1, kHome, 0, 0}, {1, kStatus, 0, 0}, {1, kReturnSetting, 40, 0}});
-}
-
-TEST_CASE("Zaber stage: stopping sends one stop and waits for its answer") {
-  ReadyStage alone;
   CHECK(alone.stage.stop(Axis::kX).value() == 0.0);
   CHECK(alone.sent() == std::vector<ZaberFrame>{{1, kStop, 0, 0}, {1, kStatus, 0, 0}});
 }

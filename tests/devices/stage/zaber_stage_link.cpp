@@ -115,7 +115,7 @@ TEST_CASE("Zaber stage: accepts firmware 5.00 to 5.99, or the range of the bench
   CHECK(alone.stage.identify()[0].complaint.empty() == taken);
 }
 
-TEST_CASE("Zaber stage: refuses a configured device whose microstep size is unknown") {
+TEST_CASE("Zaber stage: refuses a configured device of unknown microstep size") {
   ZaberStageOptions options = even_stage();
   options.axes[0].device_id = 7;
   std::vector<ChainDeviceOptions> devices = even_chain();

@@ -4,7 +4,7 @@
 
 #include "devices/stage/zaber_retreat.h"
 #include "tests/devices/fault_of.h"
-#include "tests/devices/stage/zaber_rig.h"
+#include "tests/devices/stage/scripted_chain.h"
 
 using namespace tactbench::devices;
 using namespace std::chrono_literals;

@@ -2,12 +2,18 @@
 #pragma once
 
 #include <catch2/catch.hpp>
+
+#include <atomic>
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "devices/tactile/frame_protocol.h"
+#include "devices/tactile/simulated_scanner.h"
 #include "devices/wire/byte_stream.h"
 #include "tests/devices/fault_of.h"
 #include "tests/devices/timeouts.h"
@@ -84,3 +90,24 @@ class FrameClient {
 };
 
 }  // namespace tactbench::devices::frame_protocol
+
+namespace tactbench::devices {
+
+// Physics of an array whose counts and status encode the scan and the taxel.
+
+// Taxel i of scan n has 100 n + i counts, row r the status r of scan n plus 16 n.
+class CountedArray final : public TactilePort {
+ public:
+  void scan(std::span<std::uint16_t> counts, std::span<std::uint8_t> status) override {
+    const int number = scans++;
+    if (number == broken_scan) throw std::runtime_error("no physics");
+    for (std::size_t i = 0; i < counts.size(); ++i)
+      counts[i] = static_cast<std::uint16_t>(100 * number + static_cast<int>(i));
+    for (std::size_t row = 0; row < status.size(); ++row)
+      status[row] = static_cast<std::uint8_t>(16 * number + static_cast<int>(row));
+  }
+  std::atomic<int> scans{0};
+  std::atomic<int> broken_scan{-1};
+};
+
+}  // namespace tactbench::devices

@@ -28,10 +28,10 @@
 #include "tests/devices/timeouts.h"
 #include "tests/support/process.h"
 
-using namespace tactbench::devices;
 using namespace std::chrono_literals;
-using tactbench::tests::TemporaryFolder;
+using namespace tactbench::devices;
 using namespace tactbench::tests;
+using tactbench::tests::TemporaryFolder;
 
 namespace {
 
@@ -124,6 +124,11 @@ TEST_CASE("packet link: packets sent before the end are read, then the end is re
   PacketPeer at_once(folder.path("other"));
   at_once.go();
   CHECK(fault_id_of([&] { (void)at_once.read(8, 0ns); }) == "TB-HID-LOST");
+  PacketPeer unread(folder.path("unread"));  // it closes with a report that it did not read
+  unread.link->write(report);
+  unread.go();
+  for (int i = 0; i < 2; ++i) CHECK(fault_id_of([&] { (void)unread.read(8); }) == "TB-HID-LOST");
+  CHECK(fault_id_of([&] { (void)unread.link->drain(); }) == "TB-HID-LOST");
 }
 
 TEST_CASE("packet link: refuses a path that is empty, too long or without a listener") {
@@ -202,15 +207,6 @@ TEST_CASE("descriptor channel: packets have up to 131072 bytes, and the rest of 
   CHECK_FALSE(one.send("text", 1'000'000));  // no descriptor of ours
   CHECK_FALSE(other.receive(0ns));
   CHECK_FALSE(other.closed());
-}
-
-TEST_CASE("packet link: a peer that closes with unread reports is a lost connection") {
-  const TemporaryFolder folder;
-  PacketPeer rig(folder.path("peer"));
-  rig.link->write(Datagram{1, 2, 3});
-  rig.go();
-  for (int i = 0; i < 2; ++i) CHECK(fault_id_of([&] { (void)rig.read(8); }) == "TB-HID-LOST");
-  CHECK(fault_id_of([&] { (void)rig.link->drain(); }) == "TB-HID-LOST");
 }
 
 namespace {

@@ -123,14 +123,11 @@ TEST_CASE("HTTP client: an answer of known length ends before the connection clo
 }
 
 TEST_CASE("HTTP client: another status and an answer that is not HTTP are faults") {
-  CHECK(answered("HTTP/1.1 404 Not Found\r\n\r\nbody") == "TB-HTTP-ANSWER");
-  CHECK(answered("HTTP/1.1 201 Created\r\n\r\n") == "TB-HTTP-ANSWER");
-  CHECK(answered("HTTP/1.1  200\r\n\r\n") == "TB-HTTP-ANSWER");
-  CHECK(answered("HTTP/1.\r\n\r\n") == "TB-HTTP-ANSWER");
   CHECK(answered("HTTP/1.0 200\r\n\r\nx") == "x");
-  CHECK(answered("HTTP/2 200 OK\r\n\r\n") == "TB-HTTP-ANSWER");
-  CHECK(answered("HTTP/1.1 200 OK\r\n") == "TB-HTTP-ANSWER");
-  CHECK(answered("x") == "TB-HTTP-ANSWER");
+  for (const char* other :
+       {"HTTP/1.1 404 Not Found\r\n\r\nbody", "HTTP/1.1 201 Created\r\n\r\n", "HTTP/1.1  200\r\n\r\n",
+        "HTTP/1.\r\n\r\n", "HTTP/2 200 OK\r\n\r\n", "HTTP/1.1 200 OK\r\n", "x"})
+    CHECK(answered(other) == "TB-HTTP-ANSWER");
 }
 
 TEST_CASE("HTTP client: accepts an answer of the maximum size, and refuses one byte more") {

@@ -153,7 +153,7 @@ TEST_CASE("TOML file: is read to its end for any length of its last block") {
   }
 }
 
-TEST_CASE("TOML file: a file whose bytes cannot be read is refused") {
+TEST_CASE("TOML file: a file that cannot be read is refused") {
   const std::string path = "/sys/class/net/lo/speed";  // opens, but the kernel knows no speed of the loopback
   if (!std::filesystem::exists(path)) return;
   CHECK(error_of(path).id() == "TB-FILE-MISSING");

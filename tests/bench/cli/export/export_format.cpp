@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "db/sqlite.h"
-#include "tests/bench/cli/store_here.h"
+#include "tests/bench/cli/verb_here.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -111,7 +111,7 @@ TEST_CASE("export CSV: a name that a spreadsheet would run as a formula is expor
   CHECK_THAT(store.text(), Catch::Contains("\n1,1,'=cmd|"));
 }
 
-TEST_CASE("export: a frame whose branch is missing is reported as a damaged store") {
+TEST_CASE("export: a frame without its branch is reported as a damaged store") {
   StoreToExport store;
   const Begun begun = begin_example(store.store);
   store.store.append_frame(begun.run, plain_frame(begun.branch));

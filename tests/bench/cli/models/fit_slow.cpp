@@ -12,11 +12,11 @@
 
 #include "bench/common/build_info.h"
 #include "db/run_store.h"
-#include "tests/bench/cli/check_refusal.h"
-#include "tests/bench/cli/play_table.h"
-#include "tests/bench/cli/small_bench.h"
+#include "tests/bench/cli/models/known_model.h"
+#include "tests/bench/cli/verb_here.h"
 #include "tests/support/process.h"
-#include "tests/support/small_array.h"
+#include "tests/support/run_recipe.h"
+#include "tests/support/text.h"
 
 using namespace tactbench::tests;
 using nlohmann::json;
@@ -34,17 +34,6 @@ std::string table(double sign = 1.0) {
   add("full", {0, 10, 0, 10, 5, 10, 0});
   add("inner", {0, 8, 2, 6, 3, 10, 0});
   return text;
-}
-
-std::vector<std::vector<std::string>> rows_of(const std::string& text) {
-  std::vector<std::vector<std::string>> rows;
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) {
-    auto& row = rows.emplace_back();
-    std::istringstream fields(line);
-    for (std::string field; std::getline(fields, field, ',');) row.push_back(field);
-  }
-  return rows;
 }
 
 }  // namespace
@@ -73,7 +62,7 @@ TEST_CASE("predict and compensate: a stored model works in a pipe, compensate re
   const Finished predicted = call(folder, {"predict", "m.json", "t.csv"});
   INFO(predicted.err);
   REQUIRE(predicted.code == 0);
-  const auto rows = rows_of(predicted.out);
+  const auto rows = cells_of(predicted.out);
   REQUIRE(rows.size() == 483);
   CHECK(rows[0].back() == "predicted");
   double worst = 0.0;
@@ -84,7 +73,7 @@ TEST_CASE("predict and compensate: a stored model works in a pipe, compensate re
   REQUIRE(call(folder, {"predict", "m.json", "t.csv", "-o", "p.csv"}).code == 0);
   CHECK(read_file(folder.path("p.csv")) == predicted.out);
   const Finished back = call(folder, {"compensate", "m.json", "p.csv", "--map", "output=predicted"});
-  const auto inputs = rows_of(back.out);
+  const auto inputs = cells_of(back.out);
   REQUIRE(inputs.size() == 483);
   int near = 0;
   for (std::size_t i = 1; i < inputs.size(); ++i)
@@ -96,7 +85,7 @@ TEST_CASE("fit: a sensor with falling output is fitted and predicted with its ow
   const TemporaryFolder folder;
   write_file(folder.path("t.csv"), table(-1.0));
   REQUIRE(call(folder, {"fit", "t.csv", "-o", "m.json"}).code == 0);
-  const auto rows = rows_of(call(folder, {"predict", "m.json", "t.csv"}).out);
+  const auto rows = cells_of(call(folder, {"predict", "m.json", "t.csv"}).out);
   REQUIRE(rows.size() == 483);
   CHECK(std::stod(rows[40][4]) < -5.0);
   CHECK(std::stod(rows[40][4]) == Approx(std::stod(rows[40][3])).margin(0.3));
@@ -224,7 +213,7 @@ TEST_CASE("fit and judge: of a run one model is stored, its verdict is given as 
   const nlohmann::json document = nlohmann::json::parse(read_file(of.folder.path("m.json")));
   CHECK(document.at("model") == "mpi");
   CHECK(document.at("program_version") == bench::build_info().version);
-  const auto judge = [&](const FitRunWords& more) { return call(of.folder, joined_arguments({"judge", "1:1"}, more)); };
+  const auto judge = [&](const FitRunWords& more) { return call(of.folder, joined({"judge", "1:1"}, more)); };
   CHECK(judge({"2", "--limits", "./wide.toml"}).code == 0);
   CHECK(judge({"2", "--limits", "./strict.toml"}).code == 1);
   const nlohmann::json strict = nlohmann::json::parse(judge({"2", "--limits", "./strict.toml", "--json"}).out);
@@ -234,11 +223,10 @@ TEST_CASE("fit and judge: of a run one model is stored, its verdict is given as 
   CHECK((strict.at("evaluations").at(0).at("run") == 1 && strict.at("evaluations").at(1).at("run") == 2));
   CHECK(strict.at("verdicts").size() == 4);
   CHECK(strict.at("judgement").at("overall") == "fail");
-  CHECK(judge({}).code == 2);
-  CHECK(judge({"2", "2"}).code == 2);
-  CHECK(judge({"1"}).code == 2);
-  CHECK(judge({"2", "--lab", "none.toml", "--limits", "./wide.toml"}).code == 2);
-  CHECK(judge({"2", "--limits", "none.toml"}).code == 2);
+  for (const FitRunWords& wrong :
+       {FitRunWords{}, FitRunWords{"2", "2"}, FitRunWords{"1"}, FitRunWords{"2", "--limits", "none.toml"},
+        FitRunWords{"2", "--lab", "none.toml", "--limits", "./wide.toml"}})
+    CHECK(judge(wrong).code == 2);
   CHECK_THAT(of.fit({"9", "--model", "mpi"}).err, Catch::Contains("[TB-STORE-NOT-FOUND]"));
   CHECK_THAT(call(of.folder, {"judge", "1:9", "2"}).err, Catch::Contains("[TB-STORE-NOT-FOUND]"));
   CHECK(of.models() == 1);
@@ -247,10 +235,10 @@ TEST_CASE("fit and judge: of a run one model is stored, its verdict is given as 
 TEST_CASE("compare: of a run several models are stored and scored") {
   const FolderOfRuns of;
   const FitRunWords words = {"compare", "1", "--models", "mpi,poly", "--score", "2,3"};
-  CHECK(call(of.folder, joined_arguments(words, {"--html", "c.html"})).code == 0);
+  CHECK(call(of.folder, joined(words, {"--html", "c.html"})).code == 0);
   CHECK(of.models() == 2);
   CHECK_THAT(read_file(of.folder.path("c.html")), Catch::StartsWith("<!DOCTYPE html>"));
-  const nlohmann::json compared = nlohmann::json::parse(call(of.folder, joined_arguments(words, {"--json"})).out);
+  const nlohmann::json compared = nlohmann::json::parse(call(of.folder, joined(words, {"--json"})).out);
   REQUIRE(compared.at("models").size() == 2);
   for (std::size_t i = 0; i < 2; ++i) {
     const nlohmann::json& model = compared.at("models").at(i);
@@ -324,14 +312,6 @@ std::string text_of(const std::string& names, const Rows& rows) {
   std::string text = names + "\n";
   for (const std::string& row : rows) text += row + "\n";
   return text;
-}
-
-Rows lines_of(const std::string& text) {
-  Rows lines;
-  std::size_t first = 0;
-  for (std::size_t end = 0; (end = text.find('\n', first)) != std::string::npos; first = end + 1)
-    lines.push_back(text.substr(first, end - first));
-  return lines;
 }
 
 class FolderOfSamples {

@@ -13,9 +13,10 @@
 #include <vector>
 
 #include "bench/simulation/specimen.h"
-#include "tests/bench/cli/check_refusal.h"
-#include "tests/bench/cli/play_table.h"
+#include "tests/bench/cli/models/known_model.h"
+#include "tests/bench/cli/verb_here.h"
 #include "tests/support/process.h"
+#include "tests/support/text.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -164,7 +165,7 @@ TEST_CASE("fit of a table: --turn sets the smallest reversal, in units of the in
   const TemporaryFolder folder;
   write_file(folder.path("t.csv"), "input,output\n" + play_rows(kManyTurns));
   const auto turn = [&](const std::vector<std::string>& more) {
-    return json::parse(call(folder, joined_arguments({"fit", "t.csv", "--model", "monotone", "--json"}, more)).out)
+    return json::parse(call(folder, joined({"fit", "t.csv", "--model", "monotone", "--json"}, more)).out)
         .at("turn")
         .get<double>();
   };
@@ -190,17 +191,12 @@ struct Read {
 };
 
 std::vector<Read> reads_of(const std::string& text) {
-  std::istringstream lines(text);
-  std::string line;
+  REQUIRE(text.starts_with("input,output,compensated,uncertainty,flags\n"));
+  auto rows = cells_of(text);
+  rows.erase(rows.begin());
   std::vector<Read> reads;
-  std::getline(lines, line);
-  REQUIRE(line == "input,output,compensated,uncertainty,flags");
-  while (std::getline(lines, line)) {
-    std::istringstream cells(line);
-    std::vector<std::string> found(5);
-    for (std::string& cell : found) std::getline(cells, cell, ',');
-    reads.push_back({std::stod(found[0]), std::stod(found[2]), std::stod(found[3]), found[4]});
-  }
+  for (const auto& cells : rows)
+    reads.push_back({std::stod(cells.at(0)), std::stod(cells.at(2)), std::stod(cells.at(3)), cells.at(4)});
   return reads;
 }
 

@@ -1,7 +1,9 @@
 // A model file of a small array whose numbers are all given.
 #pragma once
 
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <memory>
 #include <string>
 #include <utility>
@@ -9,6 +11,7 @@
 
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/models/mpi.h"
+#include "tests/bench/cli/verb_here.h"
 #include "tests/support/process.h"
 
 namespace tactbench::tests {
@@ -75,6 +78,53 @@ inline SensorModel straight_model(double noise = 0.0) {
   document.taxels[0].fit.full_scale = 8.0;
   document.taxels[0].noise = noise;
   return document;
+}
+
+// Runs the verbs on models within the test's process, with the files of one folder.
+
+inline std::string without_folder(std::string text, const TemporaryFolder& folder) {
+  const std::string path = folder.path() + "/";
+  for (std::size_t at = text.find(path); at != std::string::npos; at = text.find(path, at)) text.erase(at, path.size());
+  return text;
+}
+
+// fit, model, predict or compensate: words that end as names of files do are files of the folder, and so they stand in
+// what is said. The store is the folder's runs.db.
+inline Finished model_verb(const TemporaryFolder& folder, std::vector<std::string> words) {
+  const std::string verb = words.front();
+  for (std::string& word : words)
+    for (const char* end : {".json", ".csv", ".toml"})
+      if (word.ends_with(end) && !word.starts_with('/')) word = folder.path(word);
+  words.insert(words.end(), {"--db", folder.path("runs.db")});
+  Finished finished = verb_here(verb == "fit"       ? bench::add_fit
+                                : verb == "compare" ? bench::add_compare
+                                : verb == "model"   ? bench::add_model
+                                                    : bench::add_predict,
+                                std::move(words));
+  finished.out = without_folder(finished.out, folder);
+  finished.err = without_folder(finished.err, folder);
+  return finished;
+}
+
+// Tables of a sensor with play for tests: y follows x through backlash, curved at the top.
+
+struct PlaySample {
+  int step = 0;
+  double input = 0.0, output = 0.0;
+};
+
+// Through the turning points, `steps` from each to the next.
+inline std::vector<PlaySample> play_samples(const std::vector<double>& turns, int steps = 40) {
+  std::vector<PlaySample> samples;
+  double play = 0.0;
+  int step = 0;
+  for (std::size_t t = 1; t < turns.size(); ++t)
+    for (int k = t == 1 ? 0 : 1; k <= steps; ++k) {
+      const double x = turns[t - 1] + (turns[t] - turns[t - 1]) * k / steps;
+      play = std::clamp(play, x - 1.5, x);
+      samples.push_back({step++, x, 0.5 * x + 0.4 * play + std::sqrt(std::max(x, 0.0))});
+    }
+  return samples;
 }
 
 }  // namespace tactbench::tests

@@ -13,7 +13,7 @@
 #include "analysis/identify/sensor_model.h"
 #include "tests/analysis/support/dynamic_runs.h"
 #include "tests/bench/cli/models/known_model.h"
-#include "tests/bench/cli/models/models_here.h"
+#include "tests/support/text.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -36,21 +36,10 @@ class TypedInput {
   std::streambuf* kept_;
 };
 
-std::vector<std::vector<std::string>> csv_rows(const std::string& text) {
-  std::vector<std::vector<std::string>> rows;
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) {
-    std::istringstream line_cells(line + ",");
-    rows.emplace_back();
-    for (std::string cell; std::getline(line_cells, cell, ',');) rows.back().push_back(cell);
-  }
-  return rows;
-}
-
 // A column below its heading.
 std::vector<std::string> cells(const Finished& ended, const std::string& name) {
   CHECK(ended.code == 0);
-  const std::vector<std::vector<std::string>> rows = csv_rows(ended.out);
+  const std::vector<std::vector<std::string>> rows = cells_of(ended.out);
   const auto at = static_cast<std::size_t>(std::ranges::find(rows.at(0), name) - rows[0].begin());
   std::vector<std::string> found;
   for (std::size_t i = 1; i < rows.size(); ++i) found.push_back(rows[i].at(at));

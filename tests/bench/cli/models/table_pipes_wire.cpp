@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "tests/bench/cli/check_refusal.h"
+#include "tests/bench/cli/verb_here.h"
 #include "tests/support/paths.h"
 
 using namespace tactbench::tests;

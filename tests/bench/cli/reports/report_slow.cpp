@@ -14,10 +14,11 @@
 
 #include "analysis/report/gather.h"
 #include "db/run_store.h"
-#include "tests/bench/cli/check_refusal.h"
-#include "tests/bench/cli/small_bench.h"
+#include "tests/bench/cli/verb_here.h"
 #include "tests/support/in_terminal.h"
 #include "tests/support/paths.h"
+#include "tests/support/run_recipe.h"
+#include "tests/support/text.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -42,7 +43,7 @@ const TemporaryFolder& reported() {
 }
 
 json data_of_run(const TemporaryFolder& folder, const std::vector<std::string>& words) {
-  well(call(folder, joined_arguments({"report", "--format", "json", "-o", "report.json", "--replace"}, words)));
+  well(call(folder, joined({"report", "--format", "json", "-o", "report.json", "--replace"}, words)));
   return json::parse(read_file(folder.path("report.json")));
 }
 

@@ -16,6 +16,7 @@
 #include "bench/run/recipe_check.h"
 #include "tests/bench/cli/verb_here.h"
 #include "tests/support/process.h"
+#include "tests/support/text.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -30,7 +31,7 @@ std::string values_of_file(const std::string& path) { return sequences::TomlDocu
 TEST_CASE("init: writes the files of each kind of bench, and overwrites none") {
   const TemporaryFolder folder;
   const auto init = [&](const std::string& name, const std::vector<std::string>& more) {
-    return verb_here(bench::add_init, joined_arguments({"init", folder.path(name)}, more));
+    return verb_here(bench::add_init, joined({"init", folder.path(name)}, more));
   };
   const std::string plain = folder.path("deep/plain");
   CHECK(init("deep/plain", {}).code == 0);
@@ -113,7 +114,7 @@ TEST_CASE("plan: lists the shipped recipes without the nightly suite") {
 
 TEST_CASE("config: prints each value and where it comes from") {
   const auto show = [](const std::vector<std::string>& more) {
-    return verb_here(bench::add_config, joined_arguments({"config", "--bench", "simulated.toml"}, more));
+    return verb_here(bench::add_config, joined({"config", "--bench", "simulated.toml"}, more));
   };
   const Finished plain = show({"--set", "bench.location=\"here\""});
   CHECK(plain.code == 0);
@@ -129,9 +130,9 @@ TEST_CASE("config: prints each value and where it comes from") {
 TEST_CASE("devices reset: reports the trip that it removes, or that there is none") {
   const std::string id = "bench-to-reset";
   const auto reset = [&](const std::vector<std::string>& more) {
-    return verb_here(bench::add_devices, joined_arguments({"devices", "reset", "--bench", "simulated.toml", "--set",
-                                                           "bench.id=\"" + id + "\"", "--operator", "K. Lee"},
-                                                          more));
+    return verb_here(bench::add_devices, joined({"devices", "reset", "--bench", "simulated.toml", "--set",
+                                                 "bench.id=\"" + id + "\"", "--operator", "K. Lee"},
+                                                more));
   };
   const nlohmann::json none = nlohmann::json::parse(reset({"--json"}).out);
   CHECK(none.at("tripped") == false);

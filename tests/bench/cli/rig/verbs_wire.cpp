@@ -15,7 +15,7 @@
 
 #include "bench/common/utc.h"
 #include "bench/run/control/locks.h"
-#include "tests/bench/cli/check_refusal.h"
+#include "tests/bench/cli/verb_here.h"
 #include "tests/db/store_example.h"
 #include "tests/support/answering_run.h"
 #include "tests/support/paths.h"
@@ -166,7 +166,7 @@ TEST_CASE("status: names a bench that does not respond") {
   CHECK(of.printed({"status", "--db", "runs.db"}).at("last_run").at("run") == 1);
 }
 
-TEST_CASE("watch: shows how an ended run ended only if no silent run matches, a live run is not taken as ended") {
+TEST_CASE("watch: shows how an ended run ended only if no silent run matches, a live run does not count as ended") {
   const CommandsGiven of;
   const std::string path = of.folder.path("runs.db");
   {

@@ -7,10 +7,10 @@
 #include "analysis/judgement/figure.h"
 #include "db/run_store.h"
 #include "db/sqlite.h"
-#include "tests/bench/cli/check_refusal.h"
-#include "tests/bench/cli/small_bench.h"
+#include "tests/bench/cli/verb_here.h"
 #include "tests/db/store_example.h"
 #include "tests/support/run_recipe.h"
+#include "tests/support/text.h"
 
 using namespace tactbench::tests;
 using nlohmann::json;
@@ -189,7 +189,7 @@ TEST_CASE("metadata: lot, order and key=value are stored, shown, found, exported
   run_recipe(folder, "small.toml", {"--lot", "A7", "--order", "55/26", "--meta", "film=B12", "--meta", "station=left"});
   run_recipe(folder, "small.toml");
   const auto found = [&](const std::vector<std::string>& more) {
-    return json::parse(call(folder, joined_arguments({"runs", "list", "--json"}, more)).out).at("runs").size();
+    return json::parse(call(folder, joined({"runs", "list", "--json"}, more)).out).at("runs").size();
   };
   CHECK(found({}) == 2);
   CHECK(found({"--lot", "A7"}) == 1);
@@ -239,13 +239,13 @@ TEST_CASE(
   const TemporaryFolder folder;
   write_file(folder.path("small.toml"), kNight);
   const auto night = [&](const std::vector<std::string>& more) {
-    return call(folder, joined_arguments({"nightly", "./small.toml", "--db", "night.db", "--json"}, more));
+    return call(folder, joined({"nightly", "./small.toml", "--db", "night.db", "--json"}, more));
   };
   REQUIRE(night({"--seeds", "3"}).code == 0);
   REQUIRE(call(folder, {"runs", "tag", "3", "pinned", "--db", "night.db"}).code == 0);
   const std::string trend = call(folder, {"trend", "--db", "night.db"}).out;
   const auto prune = [&](const std::vector<std::string>& more) {
-    return call(folder, joined_arguments({"db", "prune", "--db", "night.db"}, more));
+    return call(folder, joined({"db", "prune", "--db", "night.db"}, more));
   };
   // Nothing is old yet, and nothing is done without --yes.
   CHECK(json_printed_by(prune({"--keep", "1d", "--yes", "--json"})).at("runs").empty());
@@ -265,7 +265,7 @@ TEST_CASE(
                                              {"runs", "export", "1", "-o", "r.csv"},
                                              {"runs", "export", "1", "--format", "json", "-o", "r.json"}}) {
     INFO(words.front());
-    check_refusal(call(folder, joined_arguments(words, {"--db", "night.db"})), 2, "TB-STORE-PRUNED");
+    check_refusal(call(folder, joined(words, {"--db", "night.db"})), 2, "TB-STORE-PRUNED");
   }
   CHECK(call(folder, {"verify", "--db", "night.db"}).code == 0);
   // The next night is still compared, frame by frame, with one whose frames are gone.

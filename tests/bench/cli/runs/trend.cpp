@@ -6,7 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "tests/bench/cli/store_here.h"
+#include "tests/bench/cli/verb_here.h"
+#include "tests/support/text.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -247,7 +248,7 @@ TEST_CASE("runs merge: stores without a night give no night file, and the merged
   other.add("rig/a", 1);
   const std::string all = store.folder.path("all.db");
   const auto merge = [&](const std::vector<std::string>& more) {
-    return verb_here(bench::add_runs, joined_arguments({"runs", "merge", store.path, other.path, "--db", all}, more));
+    return verb_here(bench::add_runs, joined({"runs", "merge", store.path, other.path, "--db", all}, more));
   };
   for (const char* file : {"--html", "--junit", "--metrics"}) {
     const std::string target = store.folder.path("night");
@@ -270,7 +271,7 @@ TEST_CASE("nightly: one part of a night needs its own store, and no page") {
              "schema = 1\nname = \"s\"\n[[scenario]]\nname = \"a\"\nabout = \"b\"\n[[scenario]]\nname = \"c\"\n"
              "about = \"d\"\nseed = 5\n");
   const auto night = [&](const std::vector<std::string>& more) {
-    return verb_here(bench::add_nightly, joined_arguments({"nightly", suite}, more));
+    return verb_here(bench::add_nightly, joined({"nightly", suite}, more));
   };
   const auto refused = [&](const std::vector<std::string>& more, const std::string& id) {
     const Finished finished = night(more);

@@ -1,10 +1,13 @@
 // Which commands a run takes in each of its states, and what Control remembers of them.
-#include <algorithm>
+
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <filesystem>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -15,9 +18,14 @@
 #include "bench/run/control/run_status.h"
 #include "bench/run/end_reason.h"
 #include "tests/bench/monitor/status_example.h"
+#include "tests/support/endless_run.h"
+#include "tests/support/process.h"
+#include "tests/support/variable.h"
 
 using namespace tactbench;
+using namespace std::chrono_literals;
 using namespace tactbench::bench;
+using namespace tactbench::tests;
 
 namespace {
 
@@ -209,7 +217,7 @@ TEST_CASE("control: each status, reading and answer counts as an update, a comma
 
 // Requests of a client over the control socket, read and written.
 
-TEST_CASE("client messages: a written message is read back, including on whose behalf it is sent") {
+TEST_CASE("client messages: a written message is read back, including the person that it is sent for") {
   const ClientRequest pause = parse_client_request(command_packet(Command::kPause, "bob of 127.0.0.1"));
   CHECK(pause.word == ClientRequestKind::kCommand);
   CHECK(pause.command == Command::kPause);
@@ -270,9 +278,6 @@ TEST_CASE("peers: are shown by user name, or by number if the name is unknown") 
 }
 
 // A run's status: through the socket's JSON and back, kept by Control, and as the progress line.
-
-using namespace tactbench::tests;
-using namespace std::chrono_literals;
 
 TEST_CASE("status: a client reads every member of the status that a run sends") {
   RunStatus sent = example_status();
@@ -439,4 +444,23 @@ TEST_CASE("status: the phase of a step has its number, its repeat and its direct
   step.branch = -1;
   step.repeat = 0;
   has({"1 of 1"});
+}
+
+// Commands that are told of a run's events.
+
+TEST_CASE("notify: the command gets event, run and reason in its environment, in its own shell") {
+  const TemporaryFolder folder;
+  const std::string told = folder.path("told");
+  const auto appears = [&](const std::string& text) {
+    return comes_true([&] { return std::filesystem::exists(told) && read_file(told) == text; });
+  };
+  const Variable own("TACTBENCH_EVENT", "of an outer run");
+  const Notify notify("printf '%s|%s|%s' \"$TACTBENCH_EVENT\" \"$TACTBENCH_RUN\" \"$TACTBENCH_REASON\" >'" +
+                      folder.path("new") + "'; mv '" + folder.path("new") + "' '" + told + "' # a comment");
+  notify.run_command("done", 17, "all steps 'done'; \"really\"");
+  CHECK(appears("done|17|all steps 'done'; \"really\""));
+  std::filesystem::remove(told);
+  Notify("").run_command("done", 17, "x");
+  notify.run_command("waiting", -1, "");
+  CHECK(appears("waiting|-1|"));
 }

@@ -1,20 +1,27 @@
 // Clients that follow a run: the newest status at a bounded rate, whoever reads or does not; and answers to a question,
 // of which one wins.
+
+#include <fmt/format.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
+#include <catch2/catch.hpp>
 
 #include <array>
-#include <catch2/catch.hpp>
 #include <chrono>
 #include <memory>
 #include <random>
 #include <thread>
 
+#include "analysis/dataset.h"
 #include "bench/run/control/control_client.h"
+#include "bench/run/time_estimate.h"
+#include "tests/bench/run/finished_run.h"
+#include "tests/bench/run/quick_store.h"
 #include "tests/support/answering_run.h"
 #include "tests/support/endless_run.h"
 
+using namespace tactbench;
 using namespace tactbench::bench;
 using namespace tactbench::tests;
 using std::chrono::milliseconds;
@@ -166,4 +173,50 @@ TEST_CASE("answer: an open question is answered once, a second sender gets the n
   CHECK(say("asked", to_string(Command::kResume)).taken);
   CHECK(run.control.answer_to(2)->text.empty());
   CHECK(run.control.consume_resume());
+}
+
+// A run waits, vented, while the compressed air is missing, and continues once it has been back for a while.
+
+namespace {
+
+bench::RunRequest request_with(double lost_at_s, double lasts_s, double timeout_s) {
+  bench::RunRequest request =
+      small_request({{"environment.sensor", "[{quantity = 'supply_bar', unit = 9, address = 20, type = 'f32'}]"}});
+  request.recipes = {
+      small_recipe(fmt::format("[[suspend]]\nquantity = \"supply_bar\"\ntrip_below = 6\nresume_above = 6.5\n"
+                               "hold_s = 2\ntimeout_s = {}\n",
+                               timeout_s))};
+  request.bench.simulation->plant.faults = {planned_fault(bench::FaultKind::kSupplyLost, lost_at_s, lasts_s, 0.001)};
+  return request;
+}
+
+}  // namespace
+
+TEST_CASE("suspension: a supply that does not return ends the run, which can be resumed") {
+  QuickStore store;
+  const bench::RunResult ended = run_small(request_with(45.0, 1e6, 10.0), store);
+  REQUIRE(ended.error);
+  CHECK(ended.error->id() == "TB-RUN-SUSPENDED");
+  CHECK(ended.safe == db::SafeState::kVerified);
+  bench::RunRequest again = request_with(1e6, 1.0, 10.0);
+  again.resume = ended.run;
+  const bench::RunResult result = run_small(again, store);
+  if (result.error) FAIL(result.error->what());
+  CHECK(analysis::load_dataset(store, result.run).sequences.at(0).repeats.size() == 2);
+}
+
+TEST_CASE("suspension: the wait is not learned as time of the recipe") {
+  std::vector<double> learned;
+  for (const double lasts_s : {0.0, 30.0}) {
+    QuickStore store;
+    const bench::RunRequest request = request_with(lasts_s > 0.0 ? 45.0 : 1e6, lasts_s, 600.0);
+    const bench::RunResult result = run_small(request, store);
+    if (result.error) FAIL(result.error->what());
+    CHECK(result.waiting_seconds == Approx(lasts_s).margin(8.0));
+    bench::TimeEstimate estimate(request.recipes, sequences::compile(request.recipes), sequences::TimeModel());
+    estimate.learn(store, request.bench.id, request.overrides, false);
+    CHECK(estimate.total().runs == 1);
+    learned.push_back(estimate.total().p50_s);
+  }
+  CHECK(learned[1] == Approx(learned[0]).epsilon(0.05));
 }
