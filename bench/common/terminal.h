@@ -46,18 +46,14 @@ void print(fmt::format_string<Args...> format, Args&&... args) {
 
 // One line of standard error, cut to the terminal's width; the next call overwrites it.
 void update_status_line(std::string_view text);
+// Erases that line. print() erases it before it writes; a line end alone on standard error leaves it.
+void erase_status_line();
 // Clears the screen of standard output.
 void clear_screen();
-// Writes to standard output immediately; painted() of bench/common/terminal.h has made the text safe.
+// Writes to standard output immediately; painted() has made the text safe.
 void write_painted(std::string_view painted);
 
 }  // namespace tty
-
-}  // namespace tactbench::bench
-
-// The terminal's size, and a block of lines on standard output that is redrawn in place.
-
-namespace tactbench::bench {
 
 struct ScreenSize {
   std::size_t columns = 80, rows = 24;
@@ -90,12 +86,3 @@ class ScreenBlock {
 };
 
 }  // namespace tactbench::bench
-
-// Erases the line of standard error that tty::update_status_line() overwrites (terminal.h). tty::print() erases it
-// before it writes; a line end alone on standard error leaves it.
-
-namespace tactbench::bench::tty {
-
-void erase_status_line();
-
-}  // namespace tactbench::bench::tty

@@ -48,6 +48,7 @@ struct SerialPortInfo {
 
 // ByteStream over addresses that libserialport cannot open: a pseudo-terminal, a TCP connection or a local stream
 // socket.
+
 // True for the addresses that open_stream() accepts: "/dev/pts/N", "tcp:HOST:PORT" (IPv6 as "tcp:[::1]:PORT"),
 // "unix:PATH".
 [[nodiscard]] bool is_stream_address(const std::string& address);
