@@ -1,4 +1,5 @@
-// Runs of a store, read and checked.
+// Reads the runs of a store: rows, frames, events, checks, series. Separate functions check by the stored hashes that a
+// run is unchanged. Writes nothing.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// The steps that the sequencer executes in order, and the lowest and highest set-points of a recipe. `plan`
-// lists them, `run` executes them, and both get them from compile() in recipe.h.
+// What compile() in recipe.h makes of recipes: the steps in order; and their lowest and highest set-points. `plan`
+// prints the steps, `run` carries them out.
 #pragma once
 
 #include <cstddef>

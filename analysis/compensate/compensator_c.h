@@ -3,7 +3,8 @@
  *
  * - Nothing is thrown, nothing is printed. Every function returns TB_COMPENSATOR_OK (0) or a negative code. After an
  * error the state is unchanged.
- * - All memory is allocated while loading. A frame of ELAM or the dynamic model neither allocates nor calls the system.
+ * - With ELAM, Preisach's model and the dynamic model (the default of `tactbench fit`) all memory is allocated while
+ * loading: compensating a frame neither allocates nor calls the system. With other models a frame may allocate.
  * - One handle belongs to one thread at a time; different handles are independent.
  * - tb_compensator_destroy(NULL) does nothing.
  */

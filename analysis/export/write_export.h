@@ -1,5 +1,5 @@
-// A model as a folder for a microcontroller: its words, the header that reads them, vectors, an example, a page to
-// read.
+// Writes a model as a folder for a microcontroller: tables of 16-bit integers, the C header that evaluates them, test
+// vectors, an example program, a README.
 #pragma once
 
 #include <string>

@@ -1,5 +1,6 @@
-// Residuals of a sensor model's compensators on paths that were not fitted, by leaving branches out; of one with lag
-// and creep by level and direction: for the uncertainty of compensated values.
+// Residuals of compensated values on paths that were not fitted: inner branches are left out of the fit and compensated
+// by the models of the others. Models with lag and creep also get the residual's shape over the pressure. For the
+// uncertainty of compensated values.
 #pragma once
 
 #include <string>

@@ -1,5 +1,6 @@
 // Generalized Prandtl-Ishlinskii model (GPI): Eqs (2), (3), (40)-(43) of Sanchez-Duran et al., Sensors 2015, with the
-// operators of Al Janaideh, Rakheja and Su (the paper's [28]). Five operators (i = 0..4), initial states 0 [A14].
+// operators of Al Janaideh, Rakheja and Su (the paper's [28]). Five operators (i = 0..4), initial states 0 ([A14] of
+// docs/elam-readings.md).
 #pragma once
 
 #include <array>

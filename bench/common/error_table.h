@@ -69,7 +69,7 @@ inline constexpr ErrorRow kErrorTable[] = {
     {"TB-BASELINE-NO-FIGURES", kUsage, "none of the named runs has stored figures",
      "store figures with nightly --db or fit; tactbench trend lists them"},
     {"TB-BASELINE-SHORT", kUsage, "there are too few measurements for a control chart",
-     "measure more often, or accept only other subjects: --subject"},
+     "measure more often, or name the subjects that have enough measurements: --subject NAME"},
     {"TB-BENCH-COVERS", kUsage, "the bench file does not state what a certificate covers",
      "write certificate_covers = \"chain\" if it was calibrated together with the input that reads it here, else "
      "\"transducer\" and that input's limit of error"},
@@ -88,8 +88,8 @@ inline constexpr ErrorRow kErrorTable[] = {
      "name a recipe that measures them (tactbench plan RECIPE --limits FILE), or other limits"},
     {"TB-CALIBRATE-MINUTES", kUsage, "no shipped version of the calibration is as short as the minutes given",
      "allow more minutes, or name your own recipes: --recipe, --held-out-recipe"},
-    {"TB-CALIBRATION", kPass, "an instrument's calibration is overdue, or its date is unknown",
-     "have the instrument calibrated, and write the new date into the bench file"},
+    {"TB-CALIBRATION", kPass, "an instrument's calibration is overdue, does not cover a level, or has placeholders",
+     "have the instrument calibrated for these levels, and write date, range and certificate into the bench file"},
     {"TB-CALIBRATION-STOPPED", kStopped, "somebody ended the calibration of the reference",
      "nothing was written; start again when ready"},
     {"TB-CHAMBER-DISAGREE", kStopped, "the regulator's feedback and the reference show different pressures",
@@ -112,8 +112,9 @@ inline constexpr ErrorRow kErrorTable[] = {
      "check the instrument's supply and wiring, and its span in the bench file; then tactbench devices check"},
     {"TB-CHANNEL", kDevice, "the operating system refuses the program another socket",
      "close programs that hold many files open"},
-    {"TB-CONTROLLER-PROTOCOL", kDevice, "the pressure controller's answer is damaged, or comes from another unit",
-     "check the line's speed, its cable, and unit, pressure_field and setpoint_field in [regulator]"},
+    {"TB-CONTROLLER-PROTOCOL", kDevice, "the pressure controller's answer is damaged, or comes from another address",
+     "check speed and cable of the line, and the keys unit (the address), pressure_field and setpoint_field of "
+     "[regulator]"},
     {"TB-CONTROLLER-READBACK", kDevice, "the pressure controller does not hold the set-point that it was sent",
      "set its set-point source to serial, its unit to psi gauge and decimals as it shows them; end a hold at its "
      "display, and other programs that write to it"},
@@ -132,7 +133,8 @@ inline constexpr ErrorRow kErrorTable[] = {
     {"TB-DAQMX-ERROR", kDevice, "the NI-DAQmx driver reports an error",
      "follow the driver's own text; NI MAX or nilsdev lists the cards"},
     {"TB-DAQMX-LIBRARY", kDevice, "NI-DAQmx cannot be loaded",
-     "install NI's driver package (NI-DAQmx for Linux), or connect the scanner as a frame source"},
+     "install NI's driver package (NI-DAQmx for Linux), or read the scanner with another program that serves its "
+     "frames: [scanner] kind = \"frame-source\""},
     {"TB-DAQMX-SERIAL", kDevice, "the NI device has another serial number than the one configured",
      "connect the right device, or correct its serial (hexadecimal) in the bench file"},
     {"TB-DAQMX-SHORT", kDevice, "NI-DAQmx returned fewer samples than requested, or a value that is not a voltage",
@@ -205,8 +207,8 @@ inline constexpr ErrorRow kErrorTable[] = {
     {"TB-FLEET-SILENT", kDevice, "the fleet's server has not answered for too long",
      "check whether the server is overloaded or the network is down, then repeat the command"},
     {"TB-FLEET-SQL", kStore, "the fleet's server refused a statement", "see the server's log; nothing was changed"},
-    {"TB-FLEET-TEXT", kStore, "the fleet cannot keep a text of the run",
-     "give the fleet's database the encoding UTF8; a text with a zero byte stays in the store alone"},
+    {"TB-FLEET-TEXT", kStore, "the fleet's database cannot store all texts, because its encoding is not UTF8",
+     "make a database for the fleet with ENCODING 'UTF8'"},
     {"TB-FLEET-TLS", kDevice, "the fleet's server has no certificate that this bench trusts",
      "check name, dates and authority of the certificate: openssl s_client -starttls postgres -connect HOST:PORT"},
     {"TB-FLEET-WHERE", kUsage, "the condition cannot be used",
@@ -261,8 +263,8 @@ inline constexpr ErrorRow kErrorTable[] = {
     {"TB-MERGE-SHARD", kUsage, "a part of a divided night is missing or is there twice",
      "run the missing part (tactbench nightly SUITE --shard K/N --db FILE), and merge each night separately"},
     {"TB-MODBUS-BUSY", kDevice, "the module reported for too long that it is busy",
-     "see what keeps it busy (another master, its own web page, a firmware update); [module] response_timeout_ms, "
-     "within the watchdog's time, is how long it is asked again"},
+     "see what keeps it busy (another master, its own web page, a firmware update). Requests are repeated for "
+     "response_timeout_ms of the instrument's table, or for the watchdog's time if that is shorter"},
     {"TB-MODBUS-CONNECT", kDevice, "there is no connection to the module, or it broke",
      "check that the module is on and that its address or port in the bench file is its own"},
     {"TB-MODBUS-ECHO", kDevice, "the serial adapter echoes what is sent, or does not although local_echo is true",
@@ -357,7 +359,8 @@ inline constexpr ErrorRow kErrorTable[] = {
     {"TB-RECIPE-LIMIT", kUsage, "the recipe goes beyond a limit of the bench",
      "lower the recipe's levels, forces or speeds; the limits are [limits] and [stage] of the bench file"},
     {"TB-REFERENCE-FLAT", kDevice, "the readings of the reference or of the hand gauge do not rise with the pressure",
-     "check the transducer's supply, wiring, channel and span and what was typed, or give levels further apart"},
+     "check the transducer's supply, wiring, channel and span, and the gauge readings that were typed; or choose "
+     "levels further apart"},
     {"TB-REPORT-DCC", kUsage, "the report cannot be a digital calibration certificate",
      "state country, city, customer and customer_address in lab.toml, or choose another --format"},
     {"TB-REPORT-KEY", kUsage, "a key, certificate or file cannot be used to sign or to check a signature",

@@ -1,5 +1,7 @@
-// Builds and owns a bench's devices from its configuration, by their rows in the registries. On a simulated bench it
-// also starts the simulated ends, and the same drivers talk to them over real wires.
+// Makes and owns a bench's devices as the bench file states them: pressure source, scanner, stage and force sensor by
+// the entry of their kind in a registry (instrument_kinds.h, pressure_kinds.h), analog modules, pressure reference and
+// environment sensors directly. On a simulated bench it also starts the simulated instruments, and the same drivers
+// talk to them over real sockets and pseudo-terminals.
 #pragma once
 
 #include <memory>

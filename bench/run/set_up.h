@@ -1,5 +1,6 @@
-// Before the first step: state of the simulated specimen, environment, scanner, warm-up of the electronics, seating of
-// the sensor.
+// What happens before the first step of a run: loads the simulated specimen's stored state, records the environment,
+// checks the scanner's serial number, waits for the electronics to warm up, checks how the sensor is seated. At the
+// end the specimen's state is stored.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
-// Options of the pressure instruments apart from the module's profile, as given in a bench file: regulator, reference
-// transducer or gauge, and the faults of a simulated module.
+// Options of a bench file for the regulator and the pressure reference (transducer or gauge), and the faults of a
+// simulated analog module. The module's registers are described in module_profile.h.
 #pragma once
 
 #include <chrono>

@@ -211,7 +211,7 @@ TEST_CASE("baselines: a baseline requires runs with statistics of its subject, a
   CHECK(refused([&](db::BaselineRecord&) {}) == "TB-STORE-CONFLICT");
 }
 
-TEST_CASE("baselines: runs that repeat one another count once, and only repetitions are refused") {
+TEST_CASE("baselines: runs that repeat one another count once, a set of repetitions alone is refused") {
   NewStore store;
   // 1 and 2: the same content; 3: another seed and the same figures, one of them not-a-number; 4: other figures.
   std::vector<std::int64_t> runs;

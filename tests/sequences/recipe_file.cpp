@@ -415,14 +415,14 @@ TEST_CASE("frames at holds: all frames of turning points above the lowest level,
   CHECK((steps[3].hold && steps[3].dwell_s == 2.0 && !steps[1].hold && !steps[4].hold));
 }
 
-TEST_CASE("way back: settles at every level, even if the recipe's ramps do not stop") {
+TEST_CASE("recipe: the path to a branch settles at every level, even if the recipe's ramps do not stop") {
   const Recipe ramps = recipe_of("turning_points = [0, 4, 2, 4]\nstep = 2\nsettle = \"none\"\nramp_psi_per_s = 0.5\n");
   const auto back = path_to_branch(ramps, 0, 0, 2);
   REQUIRE(back.size() == 5);  // a cycle to the highest level, then 0, 4, 2
   for (const Step& step : back) CHECK(step.settle);
 }
 
-TEST_CASE("way back: ends where the branch starts, for every branch of the shipped levels recipes") {
+TEST_CASE("recipe: the path to a branch ends where the branch starts, in all shipped levels recipes") {
   for (const char* name : {"descending", "ascending", "inner-loops", "random-reversal", "rate", "creep-hold"}) {
     const Recipe recipe = read_recipe(kRecipes + name + ".toml");
     const auto steps = compile(recipe, 0);

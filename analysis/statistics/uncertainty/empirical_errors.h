@@ -1,8 +1,8 @@
 // U of a reading from the errors observed on held-out pressure histories, without an error model or a budget of
-// sources; and the kinds of history and conditions of use in which it is valid. Each history is compared with the U of
-// the others, and U is scaled until it covers 95.45 % of them (JCGM 100, G.1.2: k is that of the distribution), as far
-// as three of four such sets of histories would need it. The reference's own error, which no run against it can show,
-// is added.
+// sources; and the kinds of history and conditions of use in which it is valid. The errors of
+// each history are compared with the U from the others, and U is scaled so that it covers 95.45 % of the readings of
+// the histories left out (JCGM 100, G.1.2). The scale is the one that suffices for three quarters of such sets of
+// histories. The reference's own error, which no run against it can show, is added.
 #pragma once
 
 #include <array>

@@ -175,7 +175,7 @@ void add_page(CLI::App& app, Session& session) {
 }
 
 void start_background_page(const std::string& db, const std::string& bench_id, const std::string& operator_name) {
-  std::vector<std::string> arguments = {"/proc/self/exe", "page",   "--db",     db,
+  std::vector<std::string> arguments = {"/proc/self/exe", "page",   "--db",          db,
                                         "--bench",        bench_id, "--run-process", std::to_string(::getpid())};
   if (!operator_name.empty()) arguments.push_back("--operator=" + operator_name);
   ChildProgram page({.arguments = arguments, .environment = environment_with({})});

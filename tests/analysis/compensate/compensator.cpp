@@ -59,7 +59,7 @@ TEST_CASE("compensators: recover the input along random reversals, as far as noi
       }
 }
 
-TEST_CASE("compensators: small steps and a single jump to a turning point give the same pressure") {
+TEST_CASE("compensators without lag and creep: small steps and a jump to a turning point give the same pressure") {
   // Pieces of curves are kept from sample to sample, and hold to the branch's end at most.
   for (const Kind& kind : kinds()) {
     if (kind.in_time) continue;

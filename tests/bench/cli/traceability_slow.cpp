@@ -62,7 +62,7 @@ TEST_CASE(
   CHECK(expanded_mean_error(report_json(folder, {"3"}, 0)) < expanded_mean_error(report));
 }
 
-TEST_CASE("traceability: a laboratory file does not replace the stored certificate, its earlier due date counts") {
+TEST_CASE("traceability: the stored certificate precedes a laboratory file's, the earlier of both due dates counts") {
   const TemporaryFolder folder;
   prepare_traced_run(folder);
   for (int i = 0; i < 2; ++i) run_recipe(folder, "small.toml");

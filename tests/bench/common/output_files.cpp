@@ -422,7 +422,7 @@ TEST_CASE("private files: without a home folder, trips are stored in a folder th
   CHECK(read_file(folder.path("precious")) == "kept");
 }
 
-TEST_CASE("private files: trips of the machine are stored only in a group folder of root") {
+TEST_CASE("private files: trips for all users are stored only in a folder of root that one group may write to") {
   const TemporaryFolder folder;
   const Variable state("XDG_STATE_HOME", std::nullopt), home("HOME", folder.path());
   const std::string machine = folder.path("machine");

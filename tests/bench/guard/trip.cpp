@@ -102,7 +102,7 @@ TEST_CASE("trip: missing fields are unknown, a file that cannot be written is an
   CHECK(read_file(folder.path("text")) == "two");
 }
 
-TEST_CASE("state folder: is in XDG_STATE_HOME, or else in the home folder") {
+TEST_CASE("state folder: is in XDG_STATE_HOME, or else in the home folder if there is none of the machine") {
   const TemporaryFolder folder;
   {
     const Variable given("XDG_STATE_HOME", folder.path("given"));

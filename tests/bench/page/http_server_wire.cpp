@@ -230,7 +230,7 @@ TEST_CASE("http: unauthenticated clients never displace authenticated ones, howe
   CHECK(is_served(operates, "2"));
 }
 
-TEST_CASE("http: if all connections are privileged, a further one is closed, and a freed place is reused") {
+TEST_CASE("http: if every connection has the highest rank, one more is closed, and a free place is reused") {
   HttpOptions options;
   options.max_connections = 2;
   const AnsweringServer server(options);

@@ -75,7 +75,8 @@ TEST_CASE("safe state: each witness is compared with the limit, and its reading 
              Catch::StartsWith("NOT SAFE") && Catch::Contains("1.3 psi"));
 }
 
-TEST_CASE("safe state: an array loaded by more than 2 % of the converter range contradicts proved pressures") {
+TEST_CASE(
+    "safe state: not proved if the array reads more than 2 % of the converter range, even if pressures are zero") {
   const SafeProof within = proof_of({}, 0.019 * 65535.0);
   CHECK(within.state == db::SafeState::kVerified);
   const SafeProof beyond = proof_of({}, 0.021 * 65535.0);

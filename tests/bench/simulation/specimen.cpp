@@ -309,7 +309,7 @@ TEST_CASE("specimen: zero drift, gain drift over months and over cycles") {
   }
 }
 
-TEST_CASE("specimen: a new mount changes the local pressure of each taxel, the first mount is the reference") {
+TEST_CASE("specimen: each new mount changes the local pressure of every taxel, the first changes nothing") {
   const auto mounted = [](std::uint64_t seed, double variation) {
     return read(changed([&](SpecimenOptions& o) {
                   o.mount_seed = seed;

@@ -35,7 +35,7 @@ StraightBudget calibrated() {
 
 }  // namespace
 
-TEST_CASE("counted U: histories with equal errors have k = 1, and U equals their error") {
+TEST_CASE("empirical U: histories with equal errors have k = 1, and U equals their error") {
   StraightBudget made = calibrated();
   const Dataset one = run_that_errs(5, kReversing, 0.5), two = run_that_errs(6, kReversing, 0.5);
   made.inputs.history.same = {&one, &two};
@@ -54,7 +54,7 @@ TEST_CASE("counted U: histories with equal errors have k = 1, and U equals their
   CHECK_FALSE(of(all, UseCondition::kHeld).valid());
 }
 
-TEST_CASE("counted U: each history is compared with the others, and a single one gives no U") {
+TEST_CASE("empirical U: each history is compared with the others, and a single one gives no U") {
   StraightBudget made = calibrated();
   const Dataset one = run_that_errs(5, kReversing, 0.50), two = run_that_errs(6, kReversing, 0.55);
   made.inputs.history.same = {&one};
@@ -71,7 +71,7 @@ TEST_CASE("counted U: each history is compared with the others, and a single one
         Approx(found.factor * std::sqrt((0.50 * 0.50 + 0.55 * 0.55) / 2.0)).epsilon(0.001));
 }
 
-TEST_CASE("counted U: histories that differ too much give no U, more of them do") {
+TEST_CASE("empirical U: a few histories with very different errors give no U, more such histories give one") {
   StraightBudget made = calibrated();
   std::vector<Dataset> runs;
   for (int i = 0; i < 16; ++i) runs.push_back(run_that_errs(5 + i, kReversing, i % 2 == 0 ? 0.5 : 1.1));
@@ -83,7 +83,7 @@ TEST_CASE("counted U: histories that differ too much give no U, more of them do"
   CHECK(of(counted_of(made), UseCondition::kReversals).valid());
 }
 
-TEST_CASE("counted U: a run in another state is one history, and counts for that state only") {
+TEST_CASE("empirical U: a run in another state is one history, and counts for that state only") {
   StraightBudget made = calibrated();
   Dataset one = run_that_errs(5, kReversing, 0.5);
   one.sequences.push_back(one.sequences.front());

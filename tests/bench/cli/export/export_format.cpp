@@ -124,7 +124,7 @@ TEST_CASE("export: a frame without its branch is reported as a damaged store") {
   }
 }
 
-TEST_CASE("export JSON: contains every list of a run with all its items") {
+TEST_CASE("export JSON: contains configuration, recipes, devices, events, checks, series, verdicts, frames of a run") {
   StoreToExport store;
   (void)store_example(store.store);
   db::VerdictRecord verdict{1, 0, "unfit_taxels", "array", 1.0, 1.5, "taxels", "simple", "pass", "limits", "sha"};

@@ -55,7 +55,7 @@ struct CommandsGiven {
 
 }  // namespace
 
-TEST_CASE("commands: the only live run answers, other commands are rejected with an error id") {
+TEST_CASE("commands: one live run need not be named, a run or command that does not apply is refused by id") {
   const CommandsGiven of;
   of.refused({"stop"}, "TB-RUN-NOT-LIVE");
   const AnsweringRun live("live", 3, of.store("live.db"));
@@ -221,7 +221,7 @@ TEST_CASE("devices check: a calibration is valid on its due date and overdue the
   CHECK(overdue(bench::utc_days_ago(1).substr(0, 10)));
 }
 
-TEST_CASE("devices check: warns about values left to fill in, and reports an instrument out of range") {
+TEST_CASE("devices check: warns about placeholders in the bench file, and reports a reference that is not at zero") {
   const TemporaryFolder folder;
   const Finished checked =
       call(folder, {"devices", "check", "--bench", "simulated.toml", "--set", "reference.certificate=\"FILL-IN\""});

@@ -335,7 +335,8 @@ TEST_CASE("machine names: do not depend on folders or on the home of the user") 
   CHECK(refusal_of([&] { const BenchLock lock(config); }) == "not refused");
 }
 
-TEST_CASE("machine names: TACTBENCH_RUNTIME_DIR is a separate scope, and must be a private folder of the user") {
+TEST_CASE(
+    "locks and sockets: with TACTBENCH_RUNTIME_DIR they are apart from the machine's, the folder must be private") {
   const TemporaryFolder folder;
   const MachineName mine("rig");
   REQUIRE(mine.held());
