@@ -1,4 +1,4 @@
-// Aligned arrays from a stored run. Every analysis starts from a Dataset: per sequence and repeat the measured
+// Aligned arrays from a stored run. Most analyses start from a Dataset: per sequence and repeat the measured
 // pressures and the output voltages of all taxels, in step order, without void branches.
 #pragma once
 

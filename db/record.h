@@ -1,7 +1,7 @@
-// The rows of the run store as plain structs, written by the sequencer and read by the analysis; at the end, the mean
-// of a frame's scans. Units are in the names; times are process time in nanoseconds since the run's start unless called
-// utc. The schema is in schema.cpp. kColumns names columns of it, and row() ties the members that hold them, in the
-// same order: all that is written, read and, of what has a hash, hashed (hash_chain.h).
+// The rows of the run store as plain structs, for all that write and read it; the last function of
+// the file averages the scans of a frame. Units are in the names; times are process time in nanoseconds since the run's
+// start unless called utc. The schema is in schema.cpp. For columns that need no conversion, kColumns names them and
+// row() ties their members, in the same order, so that writing, reading and hashing (hash_chain.h) use one list.
 #pragma once
 
 #include <array>

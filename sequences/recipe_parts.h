@@ -1,4 +1,5 @@
-// Readers of the parts of a recipe file, one per part. Used only by recipe_*.cpp; all throw FileError.
+// Readers of the parts of a recipe file, one per part, and what compile.cpp shares with them. The readers throw
+// FileError.
 #pragma once
 
 #include <vector>

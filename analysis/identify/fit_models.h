@@ -1,4 +1,5 @@
-// Input of every identification: histories of one taxel (or one table), their branches and external loop.
+// Fits a model to one taxel: what every fit starts from (the histories of the taxel, or of one imported table, cut into
+// branches, and the external loop, which spans the whole range), what it returns, and the choice of the model.
 #pragma once
 
 #include <array>

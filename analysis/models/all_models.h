@@ -1,5 +1,5 @@
-// The kinds of models, one row each, in the order that people see. All that one takes is declared by its class
-// (model.h): equation, inverse and members in the files of its name here, identification in analysis/identify.
+// The list of model kinds, one row each, in the order that people see. To add one: a class with what model.h requires,
+// its equation, inverse and members in files of its name in this folder, its identification in analysis/identify.
 #pragma once
 
 #include "analysis/models/elam.h"

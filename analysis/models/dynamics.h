@@ -1,5 +1,6 @@
-// Time-dependent behaviour of a film, shared by all taxels of an array: a share of the pressure arrives late (lag), and
-// the output creeps toward the value that belongs to the present pressure. Both are compensated sample by sample.
+// Time-dependent behaviour of a film: a share of the pressure arrives late (lag), and the output creeps toward the
+// value that belongs to the present pressure. The times are those of the array, the size of both effects is each
+// taxel's. Both are compensated sample by sample.
 #pragma once
 
 #include <array>

@@ -1,4 +1,5 @@
-// Facts about a report's input that several pages use.
+// What several pages say about a report's input: whether it is a certificate, simulated, of a table; its title, dates
+// and names.
 #pragma once
 
 #include <span>

@@ -1,4 +1,5 @@
-// Log of a run's events for the report, read from the store: attempts, voids, flags, pauses, environment.
+// What happened during a run, read from the store for its report: repeated attempts at a branch, branches declared
+// void, flags, pauses, environment.
 #pragma once
 
 #include <cstdint>

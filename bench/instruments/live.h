@@ -1,5 +1,5 @@
-// The verb `live`: frames of the tactile array acquired and compensated as they arrive, or without a model the values
-// of all instruments. Read-only; touches no actuator.
+// The verb `live`: with a model, acquires frames of the tactile array and compensates them as they arrive; without one,
+// shows the values of all instruments. Touches no actuator.
 #pragma once
 
 #include <cstddef>

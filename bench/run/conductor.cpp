@@ -428,8 +428,8 @@ void Conductor::prompt(const sequences::Step& step) {
     sequencer_.idle();
     (void)control_.consume_resume();  // an answer, too
     if (terminal && line_typed()) {
-      const Control::Answer answer = control_.answer(question, {}, kByTerminal);
-      if (!answer.taken) board_.note(answer.text);
+      const Control::Answer reply = control_.answer(question, {}, kByTerminal);
+      if (!reply.taken) board_.note(reply.text);
     }
     answer = control_.answer_to(question);
   }

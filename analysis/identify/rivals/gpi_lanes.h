@@ -1,6 +1,7 @@
-// All histories that a fit sees as one tree of states: play operators forget what a larger swing has wiped out, so that
-// samples after the same remembered turns have the same model value whatever the parameters, and are compared once. And
-// J of GPI along that tree, of eight candidates of one taxel at a time (vector_lanes.h).
+// Puts all histories of a fit into one tree. A play operator forgets turning points that a larger swing has passed, so
+// samples with the same remembered turning points have the same model value for any parameters: they share a node, and
+// the model is evaluated once per node. And GPI's cost J along that tree, for eight candidates of one taxel at a time
+// (vector_lanes.h).
 #pragma once
 
 #include <array>

@@ -1,4 +1,5 @@
-// The options of `report`, and their checks.
+// The verb `report`: its options and their checks, the choice of runs and models, and the writing of reports, also for
+// other verbs.
 #pragma once
 
 #include <cstdint>

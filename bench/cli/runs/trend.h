@@ -1,4 +1,4 @@
-// Shared by `trend` and `fleet trend`.
+// What `trend` and `fleet trend` share: their options, and the output of figures and charts.
 #pragma once
 
 #include <string>

@@ -37,7 +37,7 @@ Control::Answer Control::ask(Command command, const std::string& who) {
     } else if (command == Command::kResume) {
       if (!waits) return {false, fmt::format("run {} is {}, not paused", status_.run, to_string(state))};
       if (!status_.question.empty()) {
-        if (Answer answer = accept_answer(status_.question_id, {}, who); !answer.taken) return answer;
+        if (Answer reply = accept_answer(status_.question_id, {}, who); !reply.taken) return reply;
       }
       pause_ = false;
       resume_ = true;

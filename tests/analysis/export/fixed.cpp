@@ -85,7 +85,7 @@ TEST_CASE("fixed compensator: products and quotients of 16 bits are rounded down
       if (tb_r_short(under, over) != (under << 16) / over) FAIL(under << " / " << over);
 }
 
-TEST_CASE("fixed compensator: on dense noisy reversals integers err by at most 2 % more than doubles") {
+TEST_CASE("fixed-point compensator: on dense noisy reversals its error is at most 1.02 times that of doubles") {
   for (const char* const name : kBoth)
     for (const bool falling : {false, true}) {
       const Kind kind = kind_of(name);

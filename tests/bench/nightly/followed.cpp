@@ -124,7 +124,7 @@ TEST_CASE("trend: runs on instruments have no seeds, and only runs after the bas
   CHECK(followed.figures.front().chart.ewma->later == 3);
 }
 
-TEST_CASE("trend: repeated runs in a baseline count once") {
+TEST_CASE("trend: runs of a baseline that repeat one another count once") {
   const TemporaryFolder folder;
   db::RunStore store = db::RunStore::open(folder.path("runs.db"));
   db::BaselineRecord baseline{0, kSubject, "as delivered", "K. Lee", "2026-01-01T00:00:00Z", {}};

@@ -198,7 +198,7 @@ TEST_CASE("merge: a night in three parts gives the same runs, values, models and
   CHECK(db::RunStore::open_read_only(folder.path("three.db")).nights().size() == 2);
 }
 
-TEST_CASE("merge: stores of several benches give each run once, and the fits made since") {
+TEST_CASE("merge: a run in several stores arrives once, fits made after an earlier merge are added") {
   const TemporaryFolder folder;
   REQUIRE(call(folder, {"init"}).code == 0);
   for (const char* db : {"a.db", "b.db"}) {

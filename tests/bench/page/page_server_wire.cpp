@@ -378,7 +378,7 @@ class ModelledPage : public FilmStore {
 
 }  // namespace
 
-TEST_CASE("page models: come from the newest earlier valid run of the same sensor and origin with streaming models") {
+TEST_CASE("page models: of earlier valid runs with streaming models, the newest of the same sensor and origin") {
   ModelledPage made;
   FilmRun other = two_taxels(), hardware = two_taxels();
   other.sensor = "S-2";

@@ -275,7 +275,7 @@ TEST_CASE("specimen: a tilted chamber presses one edge more, whatever the orient
   CHECK(frame_at(20.0, 0.0, 33.0, MountTurn::kNone, 90.0) == frame_at(20.0, 0.0, 0.0, MountTurn::kNone, 0.0));
 }
 
-TEST_CASE("specimen: zero drift, gain drift over months and over cycles") {
+TEST_CASE("specimen: its zero drifts, its gain falls over months and over cycles, as configured") {
   const Reading fresh = read({});
   const auto aged = [](double months, double zero_rate, double gain_rate) {
     return read(changed([&](SpecimenOptions& o) {

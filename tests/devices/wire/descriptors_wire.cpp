@@ -77,7 +77,7 @@ constexpr std::array<std::uint8_t, 3> kSome{1, 2, 3};
 
 }  // namespace
 
-TEST_CASE("descriptor 0: whichever connection gets it first uses it and closes it") {
+TEST_CASE("descriptor 0: each kind of connection treats it as valid and closes it") {
   using Held = std::shared_ptr<void>;
   const tactbench::tests::TemporaryFolder folder;
   ManualClock clock;

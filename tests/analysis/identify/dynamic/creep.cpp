@@ -330,7 +330,8 @@ const std::vector<double> kRisesAndFalls{0, 20, 60, 30, 10};
 
 }  // namespace
 
-TEST_CASE("creep removal from a run: straight films give straight outputs at the delayed pressures", "[dynamic]") {
+TEST_CASE("creep removal from a run: outputs of films without hysteresis are then linear in the lagged pressure",
+          "[dynamic]") {
   const Dynamics d = some_dynamics();
   const std::vector<WalkedTaxel> taxels = {{0.1, 0.05, 2.0, d.lag_share}, {0.3, 0.02, 0.5, d.lag_share}};
   const Dataset run = walked_run(

@@ -358,7 +358,7 @@ TEST_CASE("step kinds: a turning point belongs to the branch that ends there, th
   CHECK(step_kinds({"none", {}}, 0, 60).empty());
 }
 
-TEST_CASE("step kinds: a branch is full if both ends are within 1 % of the range, in either direction") {
+TEST_CASE("step kinds: a branch, up or down, is full if it begins and ends within 1 % of the range's ends") {
   for (const bool turned : {false, true}) {
     const auto full = [turned](double bottom, double top, double low, double high) {
       return turned ? is_full(top, bottom, low, high) : is_full(bottom, top, low, high);

@@ -355,7 +355,7 @@ TEST_CASE("grouped readings: scatter within, between and of the mean match hand-
         Approx(std::sqrt(of_mean_of(within, between))));
 }
 
-TEST_CASE("budget: is linear up to where twice u of the voltage reaches the end of the curve") {
+TEST_CASE("budget: a level counts as linear as long as the voltage +- 2 u stays within the inverted curve") {
   StraightBudget made = two_sides(0.0, 0.0);
   made.calibration.scans = 2;
   const auto linear = [&](double noise_v, std::size_t level) {

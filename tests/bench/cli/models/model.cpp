@@ -182,7 +182,7 @@ TEST_CASE("model adjust: needs --zero or --gain, and model check reports samples
   CHECK(printed.at("outside_validity").size() == 1);
 }
 
-TEST_CASE("model diff: a missing divider counts as 0, creep and lag are compared if both models have them") {
+TEST_CASE("model diff: a model without divider is compared as one with 0, creep and lag only if both have them") {
   const TemporaryFolder folder;
   // The mean difference, the largest one and its taxel.
   const auto difference = [&](const std::string& first, const std::string& second, const std::string& name) {

@@ -139,7 +139,7 @@ TEST_CASE("conditioning: an array without response gives no change, of several s
   CHECK(first_counts.changes()[0] == 50.0);  // 50 of 100, not the 10 at zero
 }
 
-TEST_CASE("suspension: each rule trips in its direction, the longest hold counts, and needs a sensor of its quantity") {
+TEST_CASE("suspension: each rule trips in its direction, not without a reading, and the longest hold time applies") {
   SuspensionWatch watch;
   CHECK(watch.empty());
   watch.follow({rule_of("supply_bar", true, 6.0, 6.5, 10.0), rule_of("temperature_c", false, 30.0, 28.0, 20.0)});
