@@ -217,13 +217,13 @@ TEST_CASE("controller lines: an answer has pressure, set-point and status, other
     std::optional<std::tuple<double, double, std::vector<std::string>>> frame;
     bool refused = false;
   };
-  using Words = std::vector<std::string>;
+  using Lines = std::vector<std::string>;
   const std::vector<Row> rows = {
-      {"A +012.34 +012.30", {}, {{12.34, 12.30, Words{}}}},
-      {"A -000.05 +000.00 EXH", {}, {{-0.05, 0.0, Words{"EXH"}}}},
-      {"A   012.34  0.00  HLD POV", {}, {{12.34, 0.0, Words{"HLD", "POV"}}}},
-      {"A +012.34 +023.4 +000.1 +000.2 12.34 Air OVR", {1, 5}, {{12.34, 12.34, Words{"Air", "OVR"}}}},
-      {"A +1 +2 +3", {3, 1}, {{3.0, 1.0, Words{}}}},
+      {"A +012.34 +012.30", {}, {{12.34, 12.30, Lines{}}}},
+      {"A -000.05 +000.00 EXH", {}, {{-0.05, 0.0, Lines{"EXH"}}}},
+      {"A   012.34  0.00  HLD POV", {}, {{12.34, 0.0, Lines{"HLD", "POV"}}}},
+      {"A +012.34 +023.4 +000.1 +000.2 12.34 Air OVR", {1, 5}, {{12.34, 12.34, Lines{"Air", "OVR"}}}},
+      {"A +1 +2 +3", {3, 1}, {{3.0, 1.0, Lines{}}}},
       {"?", {}, std::nullopt, true},
       {"A ?", {}, std::nullopt, true},
       {"B +012.34 +012.30", {}, std::nullopt},
