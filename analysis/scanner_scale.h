@@ -1,4 +1,4 @@
-// Volts per count of a run's scanner.
+// Volts per count of the scanner with which a run was recorded.
 #pragma once
 
 #include "db/record.h"

@@ -1,4 +1,5 @@
-// Runs of a store, written from their beginning to their end.
+// Writes a run to the store: begins it, adds branches, frames, events and checks, ends it; and marks or reopens runs
+// that did not complete.
 #pragma once
 
 #include <chrono>

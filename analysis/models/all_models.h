@@ -1,4 +1,4 @@
-// The list of model kinds, one row each, in the order that people see. To add one: a class with what model.h requires,
+// The list of model kinds, in the order that people see. To add one: a class with what model.h requires,
 // its equation, inverse and members in files of its name in this folder, its identification in analysis/identify.
 #pragma once
 

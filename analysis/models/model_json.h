@@ -1,4 +1,5 @@
-// Models as JSON, each complete in itself. The one source here that takes more than the standard library.
+// Models as JSON, each complete in itself. The only source of this folder that needs another library
+// than the standard one.
 #pragma once
 
 #include <memory>

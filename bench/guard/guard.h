@@ -1,6 +1,6 @@
 // Every actuator command passes this check: constant limits, rate of rise, recent readings of the witnesses (the
-// pressure instruments), joint limits of the axes, latched trips, the dead-man. guard_devices.h wraps the drivers so
-// that no command bypasses it. One thread, the sequencer's.
+// pressure instruments), limits that apply to several axes together, latched trips, the dead-man. guard_devices.h wraps
+// the drivers so that no command bypasses it. One thread, the sequencer's.
 #pragma once
 
 #include <array>

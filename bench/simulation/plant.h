@@ -1,6 +1,6 @@
 // The plant couples the simulated instruments: they query its chamber, stage, contact and specimen.
 // It advances lazily to the clock's time at each query, on a fixed grid of process time, under one lock; a query
-// changes nothing but the noise drawn, so the same seeds and queries give the same answers.
+// changes nothing else but the state of the noise, so the same seeds and queries give the same answers.
 #pragma once
 
 #include <algorithm>

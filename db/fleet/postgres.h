@@ -1,6 +1,6 @@
 // A thin wrapper over libpq, the only place that includes libpq-fe.h: one connection and its statements. Every failure
 // becomes a FleetError, every wait has a deadline, and answers of the server are validated: a wrong number of rows or
-// columns, an answer without an end, or one of an unexpected type is TB-FLEET-ANSWER.
+// columns, an answer that does not end, or one of an unexpected type is TB-FLEET-ANSWER.
 #pragma once
 
 #include <chrono>

@@ -1,5 +1,5 @@
 // Datagrams to and from one peer over a connected UDP socket, so that the kernel drops datagrams from others and
-// reports a port without a listener.
+// returns an error if nobody listens on the peer's port.
 #pragma once
 
 #include <cstddef>

@@ -467,7 +467,7 @@ TEST_CASE("live: an unloaded array reads near zero, latency is measured, lost fr
   }
 }
 
-TEST_CASE("live: a damaged scan is counted as a lost frame, and temperature includes the U of its thermometer") {
+TEST_CASE("live: a damaged scan is a lost frame, and a temperature is valid within the model's range and the U") {
   const TemporaryFolder folder;
   const std::int64_t run = fitted_run(folder.path("runs.db"));
   const db::RunStore store = db::RunStore::open_read_only(folder.path("runs.db"));

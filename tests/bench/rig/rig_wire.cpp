@@ -35,7 +35,7 @@ const std::string kLineOfSensors =
 
 }  // namespace
 
-TEST_CASE("rig: using a device that is not open or not present is a logic error") {
+TEST_CASE("rig: reading a device that is not open or not present is a logic error") {
   bench::BenchConfig config = small_request().bench;
   {
     bench::Rig rig(config);
@@ -185,7 +185,7 @@ TEST_CASE("rig: a digital gauge serves as reference with its correction, and the
   CHECK_THAT(row.devices[2].calibration_json, Catch::Contains("correction_psi"));
 }
 
-TEST_CASE("rig: an impossible pressure configuration is rejected, and the error names the key") {
+TEST_CASE("bench file: an impossible pressure configuration is rejected, and the error names the key") {
   const std::vector<std::pair<Overrides, std::string>> rows = {
       {{{"module.profile", "moxa-iologik-e1241"}}, "watchdog"},
       {{{"module.profile", "moxa-iologik-e1240"}}, "profile"},  // no outputs

@@ -296,7 +296,7 @@ TEST_CASE("time estimate: uses the newest two hundred runs of the bench") {
   CHECK(bed.learned({recipe}, {}, false).total().runs == 0);
 }
 
-TEST_CASE("time estimate: only runs of identical work are used, by text, repeats and frames") {
+TEST_CASE("time estimate: only runs with the same recipe text and number of repeats, and a stored time, are used") {
   const Recipe recipe = recipe_named("a");
   Recipe thrice = recipe;
   thrice.repeats = 3;  // the text is the same

@@ -432,7 +432,7 @@ TEST_CASE("frame subscribers: the first frame is sent at once, the others a peri
   CHECK(in_time);
 }
 
-TEST_CASE("frame subscribers: the first subscriber is served at once") {
+TEST_CASE("frame subscribers: the first subscriber gets a frame without a long wait") {
   const Running source(2.0);
   const auto end = Steady::now() + kPatient;
   bool at_once = false;
